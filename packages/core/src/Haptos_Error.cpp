@@ -1,0 +1,43 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Error.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+namespace Haptos {
+
+int commRank(const Communicator& comm) { return comm.getRank(); }
+
+CaughtError describeCurrentException() {
+  try {
+    throw;
+  } catch (const InputError& e) {
+    return {1, e.what()};
+  } catch (const InsufficientModel& e) {
+    return {2, e.what()};
+  } catch (const std::exception& e) {
+    return {3, e.what()};
+  } catch (...) {
+    return {3, "unknown exception"};
+  }
+}
+
+void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
+  int header[2] = {error.kind, int(error.message.size())};
+  Teuchos::broadcast(comm, root, 2, header);
+  if (header[0] == 0) return;
+  error.message.resize(header[1]);
+  if (header[1] > 0) Teuchos::broadcast(comm, root, header[1], error.message.data());
+  if (header[0] == 1) throw InputError(error.message);
+  if (header[0] == 2) throw InsufficientModel(error.message);
+  throw std::runtime_error(error.message);
+}
+
+void throwOnAllRanks(const Communicator& comm, const std::string& message) {
+  const int mine = message.empty() ? comm.getSize() : comm.getRank();
+  int first = 0;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(first));
+  if (first == comm.getSize()) return;
+  broadcastAndThrow(comm, {1, message}, first);
+}
+
+}  // namespace Haptos

@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_RCPDecl.hpp>
+#include <Tpetra_ConfigDefs.hpp>
+#include <Tpetra_CrsMatrix_fwd.hpp>
+#include <Tpetra_Export_fwd.hpp>
+#include <Tpetra_Import_fwd.hpp>
+#include <Tpetra_Map_fwd.hpp>
+#include <Tpetra_MultiVector_fwd.hpp>
+#include <Tpetra_Operator_fwd.hpp>
+#include <Tpetra_Vector_fwd.hpp>
+
+namespace Teuchos {
+template <class Ordinal>
+class Comm;
+class ParameterList;
+}  // namespace Teuchos
+
+namespace Haptos {
+
+using Teuchos::RCP;
+using LocalOrdinal = Tpetra::Map<>::local_ordinal_type;
+using GlobalOrdinal = Tpetra::Map<>::global_ordinal_type;
+
+using Map = Tpetra::Map<>;
+using MultiVector = Tpetra::MultiVector<double>;
+using Vector = Tpetra::Vector<double>;
+using Operator = Tpetra::Operator<double>;
+using CrsMatrix = Tpetra::CrsMatrix<double>;
+using Communicator = Teuchos::Comm<int>;
+
+}  // namespace Haptos

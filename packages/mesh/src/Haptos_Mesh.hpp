@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief Element shapes, with Exodus' node and side order.
+enum class Topology { Hex8, Tet4 };
+
+/// \brief Exodus' name of a topology ("HEX8", "TETRA4").
+const char* topologyName(Topology topology);
+int nodesPerElement(Topology topology);
+int sidesPerElement(Topology topology);
+int nodesPerSide(Topology topology);
+
+/// \brief Nodes of one side, as positions in the element's connectivity (0-based), outward by the right-hand rule.
+/// \param side 0-based; Exodus' numbering minus one.
+const std::array<int, 4>& sideNodes(Topology topology, int side);
+
+/// \brief One element block: connectivity [numElements x nodesPerElement], 0-based node indices of the mesh.
+struct ElementBlock {
+  std::int64_t id = 0;
+  std::string name;  ///< may be empty
+  Topology topology = Topology::Hex8;
+  std::vector<std::int64_t> connectivity;
+  std::size_t numElements() const { return connectivity.size() / std::size_t(nodesPerElement(topology)); }
+};
+
+/// \brief One side of one element; `element` counts over all blocks in their order (0-based), `side` is 0-based.
+struct ElementSide {
+  std::int64_t element;
+  int side;
+};
+
+struct SideSet {
+  std::int64_t id = 0;
+  std::string name;
+  std::vector<ElementSide> sides;
+};
+
+struct NodeSet {
+  std::int64_t id = 0;
+  std::string name;
+  std::vector<std::int64_t> nodes;  ///< 0-based node indices of the mesh
+};
+
+/// \brief A whole mesh as one rank holds it: nodes, element blocks, side sets, node sets.
+///
+/// All indices are 0-based positions; the numbers that the file gives to nodes and elements (its
+/// number maps) are kept beside them for messages and output.  Lengths are in the user's unit.
+struct Mesh {
+  std::string title;
+  std::vector<std::array<double, 3>> coordinates;  ///< [numNodes]
+  std::vector<ElementBlock> blocks;
+  std::vector<SideSet> sideSets;
+  std::vector<NodeSet> nodeSets;
+  std::vector<std::int64_t> nodeNumbers;     ///< [numNodes], the file's node number map (1..n by default)
+  std::vector<std::int64_t> elementNumbers;  ///< [numElements], the file's element number map
+  bool wideIntegers = false;                 ///< the file held 64-bit ids
+
+  std::size_t numNodes() const { return coordinates.size(); }
+  std::size_t numElements() const;
+};
+
+/// \brief Where an element lies: its block and the position in that block.
+struct ElementLocation {
+  int block;
+  std::int64_t position;
+};
+
+/// \brief First element (over all blocks) of every block, and the total at the end: [numBlocks + 1].
+std::vector<std::int64_t> blockOffsets(const Mesh& mesh);
+ElementLocation locateElement(const std::vector<std::int64_t>& offsets, std::int64_t element);
+
+/// \brief Mesh nodes of a side (3 or 4 of them), outward by the right-hand rule.
+std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::int64_t>& offsets, ElementSide side);
+
+/// \brief Sets and blocks are named by their Exodus name or by their number ("12").
+///
+/// \return position in `mesh.blocks` / `sideSets` / `nodeSets`, or -1.
+int findBlock(const Mesh& mesh, const std::string& nameOrNumber);
+int findSideSet(const Mesh& mesh, const std::string& nameOrNumber);
+int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber);
+
+/// \brief "lower (1), upper (2)": what exists, for error messages.
+std::string listBlocks(const Mesh& mesh);
+std::string listSideSets(const Mesh& mesh);
+std::string listNodeSets(const Mesh& mesh);
+
+}  // namespace Haptos
