@@ -3,6 +3,7 @@
 #include <Teuchos_RCPDecl.hpp>
 #include <Tpetra_ConfigDefs.hpp>
 #include <Tpetra_CrsMatrix_fwd.hpp>
+#include <Tpetra_Details_DefaultTypes.hpp>
 #include <Tpetra_Export_fwd.hpp>
 #include <Tpetra_Import_fwd.hpp>
 #include <Tpetra_Map_fwd.hpp>
@@ -19,8 +20,8 @@ class ParameterList;
 namespace Haptos {
 
 using Teuchos::RCP;
-using LocalOrdinal = Tpetra::Map<>::local_ordinal_type;
-using GlobalOrdinal = Tpetra::Map<>::global_ordinal_type;
+using LocalOrdinal = Tpetra::Details::DefaultTypes::local_ordinal_type;
+using GlobalOrdinal = Tpetra::Details::DefaultTypes::global_ordinal_type;
 
 using Map = Tpetra::Map<>;
 using MultiVector = Tpetra::MultiVector<double>;

@@ -16,7 +16,8 @@ int nodesPerElement(Topology topology);
 int sidesPerElement(Topology topology);
 int nodesPerSide(Topology topology);
 
-/// \brief Nodes of one side, as positions in the element's connectivity (0-based), outward by the right-hand rule.
+/// \brief Nodes of one side, as positions in the element's connectivity (0-based), outward by the right-hand
+/// rule.
 /// \param side 0-based; Exodus' numbering minus one.
 const std::array<int, 4>& sideNodes(Topology topology, int side);
 
@@ -29,7 +30,8 @@ struct ElementBlock {
   std::size_t numElements() const { return connectivity.size() / std::size_t(nodesPerElement(topology)); }
 };
 
-/// \brief One side of one element; `element` counts over all blocks in their order (0-based), `side` is 0-based.
+/// \brief One side of one element; `element` counts over all blocks in their order (0-based), `side` is
+/// 0-based.
 struct ElementSide {
   std::int64_t element;
   int side;
@@ -76,16 +78,20 @@ std::vector<std::int64_t> blockOffsets(const Mesh& mesh);
 ElementLocation locateElement(const std::vector<std::int64_t>& offsets, std::int64_t element);
 
 /// \brief Mesh nodes of a side (3 or 4 of them), outward by the right-hand rule.
-std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::int64_t>& offsets, ElementSide side);
+std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::int64_t>& offsets,
+                                      ElementSide side);
 
 /// \brief Sets and blocks are named by their Exodus name or by their number ("12").
 ///
+/// A name goes before a number: a set called "12" is found before the set numbered 12.
+///
 /// \return position in `mesh.blocks` / `sideSets` / `nodeSets`, or -1.
+/// \throws InputError if more than one block or set bears that name.
 int findBlock(const Mesh& mesh, const std::string& nameOrNumber);
 int findSideSet(const Mesh& mesh, const std::string& nameOrNumber);
 int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber);
 
-/// \brief "lower (1), upper (2)": what exists, for error messages.
+/// \brief "lower (1), upper (2)": what exists, for error messages; "none" if there is nothing.
 std::string listBlocks(const Mesh& mesh);
 std::string listSideSets(const Mesh& mesh);
 std::string listNodeSets(const Mesh& mesh);

@@ -1,0 +1,37 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Installs what find_package(Haptos) needs.  The packages install their own libraries and headers
+# (haptos_add_package), drivers/ its programs.
+include_guard(GLOBAL)
+include(CMakePackageConfigHelpers)
+
+# All packages as one target, for those who do not want to choose.
+get_property(_haptos_packages GLOBAL PROPERTY HAPTOS_PACKAGES)
+add_library(haptos_all INTERFACE)
+add_library(Haptos::haptos ALIAS haptos_all)
+set_target_properties(haptos_all PROPERTIES EXPORT_NAME haptos)
+foreach(_haptos_package IN LISTS _haptos_packages)
+  target_link_libraries(haptos_all INTERFACE haptos_${_haptos_package})
+endforeach()
+install(TARGETS haptos_all EXPORT HaptosTargets)
+
+# Optional libraries that this build has linked: an installed copy cannot do without them.
+set(HAPTOS_LINKED_OPTIONAL "")
+foreach(_haptos_optional cholmod)
+  if(TARGET Haptos::${_haptos_optional})
+    list(APPEND HAPTOS_LINKED_OPTIONAL ${_haptos_optional})
+  endif()
+endforeach()
+
+set(_haptos_config_dir lib/cmake/Haptos)
+install(EXPORT HaptosTargets NAMESPACE Haptos:: DESTINATION ${_haptos_config_dir})
+configure_package_config_file(
+  ${PROJECT_SOURCE_DIR}/cmake/HaptosConfig.cmake.in ${PROJECT_BINARY_DIR}/HaptosConfig.cmake
+  INSTALL_DESTINATION ${_haptos_config_dir} NO_SET_AND_CHECK_MACRO)
+# Before 1.0 a minor version may break users.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/HaptosConfigVersion.cmake
+  VERSION ${PROJECT_VERSION} COMPATIBILITY SameMinorVersion)
+install(FILES
+  ${PROJECT_BINARY_DIR}/HaptosConfig.cmake
+  ${PROJECT_BINARY_DIR}/HaptosConfigVersion.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/HaptosTrilinos.cmake
+  DESTINATION ${_haptos_config_dir})

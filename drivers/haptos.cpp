@@ -1,0 +1,105 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// The program: XML in, Exodus and JSON out.
+#include <Teuchos_DefaultComm.hpp>
+#include <Tpetra_Core.hpp>
+#include <cstdio>
+#include <iostream>
+
+#include "Haptos_CommandLine.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Parameters.hpp"
+#include "Haptos_Simulation.hpp"
+
+namespace {
+
+using namespace Haptos;
+
+enum ExitStatus { kSolved = 0, kWrongInput = 1, kNotConverged = 2, kNoSolution = 3, kInternalError = 70 };
+
+void printResult(Progress& progress, const SimulationResult& result) {
+  const RunReport& report = result.report;
+  progress.finish();
+  char text[256];
+  std::snprintf(text, sizeof text, "%s: kkt %.2e (tolerance %.1e) after %ld multiplications by F (%s)", report.solver.status.c_str(),
+                report.accuracy.errors.kkt(), report.tolerance, report.solver.hessianMultiplications, report.solver.method.c_str());
+  progress.line(text);
+  if (!report.solver.reason.empty()) progress.warn(report.solver.reason);
+  for (std::size_t i = 0; i < report.interfaces.size(); ++i) {
+    const InterfaceResult& r = report.interfaces[i];
+    std::snprintf(text, sizeof text, "contact '%s': normal force %.6g, tangential force (%.6g, %.6g, %.6g); %ld stick, %ld slip, %ld open",
+                  report.interfaceNames[i].c_str(), r.normalForce, r.tangentialForce[0], r.tangentialForce[1], r.tangentialForce[2],
+                  r.stick, r.slip, r.open);
+    progress.line(text);
+  }
+}
+
+void printCosts(Progress& progress, const RunReport& report) {
+  char text[128];
+  std::string line = "time:";
+  for (std::size_t i = 0; i < numPhases; ++i) {
+    std::snprintf(text, sizeof text, " %s %.2f", phaseName(Phase(i)), report.times.seconds[i]);
+    line += text;
+  }
+  std::snprintf(text, sizeof text, ", total %.2f s", report.times.total);
+  progress.line(line + text);
+  line = "peak memory by rank [MB]:";
+  for (double mb : report.peakMemoryMb) {
+    std::snprintf(text, sizeof text, " %.0f", mb);
+    line += text;
+  }
+  progress.line(line);
+}
+
+int runSimulation(const RCP<const Communicator>& comm, const CommandLine& line) {
+  const auto parameters = readParameters(*comm, line);
+  Progress progress(*comm);
+  Simulation simulation(comm, parameters, &progress);
+  simulation.prepare();
+  if (line.validateOnly) {
+    const auto summary = parameters.sublist("Output").get<std::string>("Summary");
+    runOnRoot(*comm, [&] {
+      if (!summary.empty()) writeTextFile(summary, modelJson(simulation.report()));
+    });
+    progress.line("the input is valid; nothing was solved");
+    return kSolved;
+  }
+  SimulationResult result = simulation.solve();
+  printResult(progress, result);
+  simulation.write(result);
+  printCosts(progress, result.report);
+  return result.solved ? kSolved : kNotConverged;
+}
+
+int runProgram(const RCP<const Communicator>& comm, int argc, char* argv[]) {
+  const CommandLine line = parseCommandLine(argc, argv);
+  const bool prints = comm->getRank() == 0;
+  if (line.help || line.version || line.printParameters) {
+    if (prints) std::cout << (line.help ? helpText() : line.version ? versionText() + "\n" : printedParameters());
+    return kSolved;
+  }
+  return runSimulation(comm, line);
+}
+
+}  // namespace
+
+int main(int argc, char* argv[]) {
+  setenv("OPENBLAS_NUM_THREADS", "1", 0);  // one thread a rank, unless the user says otherwise
+  Tpetra::ScopeGuard mpi(&argc, &argv);
+  const auto comm = Tpetra::getDefaultComm();
+  const auto report = [&](const char* kind, const std::exception& e) {
+    if (comm->getRank() == 0) std::cerr << "haptos: " << kind << e.what() << std::endl;
+  };
+  try {
+    return runProgram(comm, argc, argv);
+  } catch (const InputError& e) {  // thrown on all ranks
+    report("", e);
+    return kWrongInput;
+  } catch (const InsufficientModel& e) {  // thrown on all ranks
+    report("", e);
+    return kNoSolution;
+  } catch (const std::exception& e) {  // may have been thrown on one rank alone
+    std::cerr << "haptos: internal error on rank " << comm->getRank() << ": " << e.what() << std::endl;
+    if (comm->getSize() > 1) MPI_Abort(MPI_COMM_WORLD, kInternalError);
+    return kInternalError;
+  }
+}

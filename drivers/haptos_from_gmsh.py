@@ -1,0 +1,371 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts a gmsh mesh to the Exodus II file that haptos reads.
+
+    haptos_from_gmsh.py INPUT.msh OUTPUT.exo [--node-set NAME]... [--split SURFACE]...
+                        [--side-of SURFACE=BLOCK]... [--title TEXT]
+
+physical volume    element block (HEX8 or TET4, one shape in each)
+physical surface   side set; the side is found on the volume element next to it
+any physical group named "nodes:NAME", or named by --node-set NAME: node set NAME
+
+A surface between two blocks makes two side sets, BLOCK1_SURFACE and BLOCK2_SURFACE;
+--side-of SURFACE=BLOCK keeps one of them, under the surface's own name.  gmsh's conforming
+meshes share the nodes of such a surface, so the blocks are glued there; --split SURFACE
+gives the second block nodes of its own, which makes it a contact surface with matching nodes.
+
+Needs the Python packages numpy, netCDF4 and gmsh (the last one needs libGL and libGLU).
+As a module: from_gmsh() converts the current gmsh model; haptos_exodus writes it.
+"""
+import argparse
+import sys
+from dataclasses import dataclass
+
+import numpy as np
+
+from haptos_exodus import SIDES, Block, ExodusMesh, NodeSet, SideSet, corner_jacobians, write_exodus
+
+NODE_SET_PREFIX = "nodes:"
+GMSH_SHAPES = {4: "TETRA4", 5: "HEX8"}
+GMSH_FACETS = {2: 3, 3: 4}
+
+MIRROR = {"HEX8": [4, 5, 6, 7, 0, 1, 2, 3], "TETRA4": [0, 2, 1, 3]}
+
+
+class MeshError(Exception):
+    """The mesh cannot be converted as it is; the message says what would be right."""
+
+
+# ---------------------------------------------------------------- geometry
+
+
+def orient(coordinates, block):
+    """Mirrors left-handed elements of the block in place; refuses folded and flat ones."""
+    jacobians = corner_jacobians(coordinates, block)
+    left_handed = np.all(jacobians < 0, axis=1)
+    block.connectivity[left_handed] = block.connectivity[left_handed][:, MIRROR[block.shape]]
+    bad = np.flatnonzero(~left_handed & ~np.all(jacobians > 0, axis=1))
+    if len(bad):
+        raise MeshError(f"element {block.element_numbers[bad[0]]} of physical volume {quoted(block)} and "
+                        f"{len(bad) - 1} more are flat or folded (a corner has no positive volume); improve the mesh there")
+
+
+class SideFinder:
+    """Finds element sides by their nodes, in any order: the adjacency that gmsh does not store."""
+
+    def __init__(self, blocks):
+        keys, elements, sides, first = [], [], [], 0
+        for block in blocks:
+            count = len(block.connectivity)
+            for number, nodes in enumerate(SIDES[block.shape], start=1):
+                keys.append(facet_keys(block.connectivity[:, nodes]))
+                elements.append(np.arange(first, first + count))
+                sides.append(np.full(count, number))
+            first += count
+        keys = np.concatenate(keys)
+        order = np.argsort(keys, kind="stable")
+        self._keys = keys[order]
+        self._elements = np.concatenate(elements)[order]
+        self._sides = np.concatenate(sides)[order]
+
+    def find(self, facets):
+        """For each facet the list of its (element, side): none, one, or two for an inner facet."""
+        keys = facet_keys(facets)
+        begin = np.searchsorted(self._keys, keys, "left")
+        end = np.searchsorted(self._keys, keys, "right")
+        return [[(int(self._elements[i]), int(self._sides[i])) for i in range(b, e)] for b, e in zip(begin, end)]
+
+
+def facet_keys(facets):
+    """One comparable value per facet [facets x 3 or 4], independent of the order of its nodes."""
+    padded = np.full((len(facets), 4), -1, dtype=">i8")
+    padded[:, :facets.shape[1]] = np.asarray(facets, dtype=np.int64)
+    padded.sort(axis=1)
+    return padded.view("S32").ravel()
+
+
+# ---------------------------------------------------------------- from gmsh
+
+
+@dataclass
+class _Group:
+    dim: int
+    tag: int
+    name: str
+
+
+def quoted(item):
+    """Name of a block or physical group as a message shows it."""
+    return f"'{item.name}'" if item.name else f"number {getattr(item, 'tag', getattr(item, 'id', '?'))}"
+
+
+def from_gmsh(node_sets=(), split=(), side_of=None, title=""):
+    """Converts the current gmsh model, which must be meshed.
+
+    :param node_sets: names of physical groups (any dimension) that become node sets instead of side sets
+    :param split: names of physical surfaces between two blocks whose nodes are duplicated
+    :param side_of: {surface: block}, the side kept of a surface between two blocks
+    :raises MeshError: with what is wrong and what would be right
+    """
+    import gmsh
+    groups = [_Group(d, t, gmsh.model.getPhysicalName(d, t)) for d, t in gmsh.model.getPhysicalGroups()]
+    _check_names(groups, [*node_sets, *split, *(side_of or {})])
+    as_nodes = [g for g in groups if g.name in node_sets or g.name.startswith(NODE_SET_PREFIX)]
+    row_of, mesh = _read_volumes(gmsh, groups)
+    mesh.title = title or gmsh.model.getCurrent()
+    for block in mesh.blocks:
+        orient(mesh.coordinates, block)
+    mesh.node_sets = _read_node_sets(gmsh, as_nodes, row_of)
+    _read_surfaces(gmsh, [g for g in groups if g.dim == 2 and g not in as_nodes], row_of, mesh, split, side_of or {})
+    for group in groups:
+        if group.dim < 2 and group not in as_nodes:
+            print(f"haptos_from_gmsh: physical {('point', 'curve')[group.dim]} {quoted(group)} is left out; "
+                  f"--node-set, or a name that begins with {NODE_SET_PREFIX}, would make it a node set", file=sys.stderr)
+    return mesh
+
+
+def _check_names(groups, wanted):
+    known = [g.name for g in groups if g.name]
+    for name in wanted:
+        if name not in known:
+            raise MeshError(f"no physical group is named '{name}'; there are: {', '.join(known) or 'no named groups'}")
+    for dim in range(4):
+        names = [g.name for g in groups if g.dim == dim and g.name]
+        twice = {n for n in names if names.count(n) > 1}
+        if twice:
+            raise MeshError(f"two physical groups of dimension {dim} are named '{twice.pop()}'; give each its own name")
+
+
+def _read_volumes(gmsh, groups):
+    """Element blocks of the physical volumes, and the row of each gmsh node tag (-1: not in a volume)."""
+    volumes = [g for g in groups if g.dim == 3]
+    if not volumes:
+        raise MeshError("the mesh has no physical volume, so there is nothing to solve; "
+                        "name each body, e.g. Physical Volume(\"root\") = {1};")
+    owner, blocks = {}, []
+    for group in volumes:
+        for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group.tag):
+            if entity in owner:
+                raise MeshError(f"volume {entity} is in two physical volumes, {quoted(owner[entity])} and {quoted(group)}; "
+                                "an element belongs to one block")
+            owner[entity] = group
+        blocks.append(_read_block(gmsh, group))
+    _check_all_covered(gmsh, owner)
+    tags, coordinates, _ = gmsh.model.mesh.getNodes()
+    used = np.unique(np.concatenate([b.connectivity.ravel() for b in blocks]))
+    all_rows = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    all_rows[tags] = np.arange(len(tags))
+    row_of = np.full(int(tags.max()) + 1, -1, dtype=np.int64)
+    row_of[used] = np.arange(len(used))
+    for block in blocks:
+        block.connectivity = row_of[block.connectivity]
+    return row_of, ExodusMesh(coordinates.reshape(-1, 3)[all_rows[used]], blocks, node_numbers=used)
+
+
+def _read_block(gmsh, group):
+    found = {}
+    for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group.tag):
+        for kind, numbers, nodes in zip(*gmsh.model.mesh.getElements(3, entity)):
+            if kind not in GMSH_SHAPES:
+                raise MeshError(f"physical volume {quoted(group)} holds elements of the kind "
+                                f"'{gmsh.model.mesh.getElementProperties(kind)[0]}' (first: {numbers[0]}); "
+                                "haptos solves with 8-node hexahedra and 4-node tetrahedra")
+            found.setdefault(GMSH_SHAPES[kind], []).append((numbers, nodes.reshape(len(numbers), -1)))
+    if not found:
+        raise MeshError(f"physical volume {quoted(group)} has no elements; mesh in three dimensions before saving")
+    if len(found) > 1:
+        raise MeshError(f"physical volume {quoted(group)} holds {' and '.join(sorted(found))}; "
+                        "an Exodus block has one shape: give each shape its own physical volume")
+    (shape, parts), = found.items()
+    return Block(group.tag, group.name, shape, np.concatenate([p[1] for p in parts]).astype(np.int64),
+                 np.concatenate([p[0] for p in parts]).astype(np.int64))
+
+
+def _check_all_covered(gmsh, owner):
+    for _, entity in gmsh.model.getEntities(3):
+        numbers = gmsh.model.mesh.getElements(3, entity)[1]
+        if entity not in owner and len(numbers):
+            raise MeshError(f"{sum(map(len, numbers))} elements of volume {entity} (first: {numbers[0][0]}) are in no "
+                            "physical volume; put the volume into one, or save without it")
+
+
+def _read_node_sets(gmsh, groups, row_of):
+    sets = []
+    for group in groups:
+        rows = row_of[np.unique(gmsh.model.mesh.getNodesForPhysicalGroup(group.dim, group.tag)[0]).astype(np.int64)]
+        if not len(rows) or np.any(rows < 0):
+            raise MeshError(f"physical group {quoted(group)}, a node set, has {int(np.sum(rows < 0)) if len(rows) else 'no'} "
+                            "nodes " + ("that belong to no volume element" if len(rows) else "at all"))
+        sets.append(NodeSet(_free_id(group.tag, sets), group.name.removeprefix(NODE_SET_PREFIX), rows))
+    return sets
+
+
+def _read_surfaces(gmsh, groups, row_of, mesh, split, side_of):
+    finder = SideFinder(mesh.blocks)
+    to_split = {}
+    for group in groups:
+        found = _find_sides(group, _read_facets(gmsh, group, row_of), finder)
+        by_block = _sort_by_block(group, found, mesh)
+        between = any(len(both) == 2 for both in found)
+        _add_side_sets(group, by_block, between, side_of.get(group.name), mesh)
+        if group.name in split:
+            pair = tuple(by_block)
+            if len(pair) != 2 or not between:
+                raise MeshError(f"the nodes of '{group.name}' cannot be split: it must lie between two blocks that share nodes there")
+            to_split.setdefault(pair, []).extend(by_block[pair[1]])
+    for pair, sides in to_split.items():   # last: the finder knows the elements by their first nodes
+        _split_nodes(pair, sides, mesh)
+    for sets in (mesh.side_sets, mesh.node_sets):
+        _check_unique(sets)
+
+
+def _read_facets(gmsh, group, row_of):
+    facets = []
+    for entity in gmsh.model.getEntitiesForPhysicalGroup(2, group.tag):
+        for kind, numbers, nodes in zip(*gmsh.model.mesh.getElements(2, entity)):
+            if kind not in GMSH_FACETS:
+                raise MeshError(f"physical surface {quoted(group)} holds elements of the kind "
+                                f"'{gmsh.model.mesh.getElementProperties(kind)[0]}'; "
+                                "only 3-node triangles and 4-node quadrangles can be sides")
+            facets.append(row_of[nodes.astype(np.int64)].reshape(len(numbers), GMSH_FACETS[kind]))
+    if not facets:
+        raise MeshError(f"physical surface {quoted(group)} has no elements; it would be an empty side set")
+    return facets
+
+
+def _find_sides(group, facets, finder):
+    found = [s for part in facets for s in finder.find(part)]
+    lost = sum(not s for s in found)
+    if lost:
+        raise MeshError(f"{lost} of {len(found)} elements of physical surface {quoted(group)} are no side of a volume element; "
+                        "is the surface's volume in a physical volume, and meshed conformingly?")
+    return found
+
+
+def _sort_by_block(group, sides, mesh):
+    """{block position: [(element, side)]}, the blocks in their order."""
+    offsets = np.cumsum([0] + [len(b.connectivity) for b in mesh.blocks])
+    by_block = {}
+    for both in sides:
+        owners = [int(np.searchsorted(offsets, e, "right")) - 1 for e, _ in both]
+        if len(set(owners)) < len(owners):
+            raise MeshError(f"physical surface {quoted(group)} runs inside block {quoted(mesh.blocks[owners[0]])}: it has no outer "
+                            "side; give the volumes on its two sides different physical volumes")
+        for owner, side in zip(owners, both):
+            by_block.setdefault(owner, []).append(side)
+    return dict(sorted(by_block.items()))
+
+
+def _add_side_sets(group, by_block, between, keep, mesh):
+    if keep is None and between:
+        for b, sides in by_block.items():
+            block = mesh.blocks[b].name or str(mesh.blocks[b].id)
+            _append_side_set(mesh, group.tag, f"{block}_{group.name or group.tag}", sides)
+        return
+    if keep is not None:
+        names = [mesh.blocks[b].name for b in by_block]
+        if keep not in names:
+            raise MeshError(f"the side of '{group.name}' cannot be that of '{keep}': the surface touches {', '.join(names)}")
+        by_block = {b: s for b, s in by_block.items() if mesh.blocks[b].name == keep}
+    _append_side_set(mesh, group.tag, group.name, [s for sides in by_block.values() for s in sides])
+
+
+def _append_side_set(mesh, tag, name, sides):
+    elements, numbers = np.array(sides).T
+    mesh.side_sets.append(SideSet(_free_id(tag, mesh.side_sets), name, elements, numbers))
+
+
+def _free_id(wanted, sets):
+    used = {s.id for s in sets}
+    while wanted in used:
+        wanted += 1
+    return wanted
+
+
+def _check_unique(sets):
+    names = [s.name for s in sets if s.name]
+    for name in names:
+        if names.count(name) > 1:
+            raise MeshError(f"two sets would be named '{name}'; rename one physical group")
+
+
+def _split_nodes(pair, sides, mesh):
+    """Gives the second block of the pair its own nodes on these sides of it.
+
+    Nodes where the two blocks stay glued beside the surface are kept: the tip of a partial split.
+    """
+    first, second = (mesh.blocks[b] for b in pair)
+    begin = sum(len(b.connectivity) for b in mesh.blocks[:pair[1]])
+    surface, glued = [], []
+    keys_of_first = np.concatenate([facet_keys(first.connectivity[:, nodes]) for nodes in SIDES[first.shape]])
+    for number, nodes in enumerate(SIDES[second.shape], start=1):
+        facets = second.connectivity[:, nodes]
+        chosen = np.isin(np.arange(begin, begin + len(facets)), [e for e, side in sides if side == number])
+        surface.append(facets[chosen].ravel())
+        glued.append(facets[~chosen & np.isin(facet_keys(facets), keys_of_first)].ravel())
+    doubled = np.setdiff1d(np.concatenate(surface), np.concatenate(glued))
+    doubled = np.intersect1d(doubled, first.connectivity)   # an earlier split may have freed the rest
+    copies = len(mesh.coordinates) + np.arange(len(doubled))
+    new_row = np.arange(len(mesh.coordinates))
+    new_row[doubled] = copies
+    mesh.coordinates = np.vstack([mesh.coordinates, mesh.coordinates[doubled]])
+    mesh.node_numbers = np.concatenate([mesh.node_numbers, mesh.node_numbers.max() + 1 + np.arange(len(doubled))])
+    second.connectivity = new_row[second.connectivity]
+    for node_set in mesh.node_sets:
+        node_set.nodes = np.concatenate([node_set.nodes, copies[np.isin(doubled, node_set.nodes)]])
+
+
+# ---------------------------------------------------------------- command line
+
+
+def parse_arguments(arguments):
+    parser = argparse.ArgumentParser(description="Converts a gmsh mesh to Exodus II: physical volumes become element blocks, "
+                                     "physical surfaces side sets, groups named nodes:NAME node sets.")
+    parser.add_argument("input", help="gmsh mesh (.msh)")
+    parser.add_argument("output", help="Exodus file to write (.exo)")
+    parser.add_argument("--node-set", action="append", default=[], metavar="NAME", help="make this physical group a node set")
+    parser.add_argument("--split", action="append", default=[], metavar="SURFACE",
+                        help="double the nodes of this surface between two blocks: a contact surface")
+    parser.add_argument("--side-of", action="append", default=[], metavar="SURFACE=BLOCK",
+                        help="keep only this block's side of a surface between two blocks")
+    parser.add_argument("--title", default="", help="title in the file (default: the model's name)")
+    return parser.parse_args(arguments)
+
+
+def convert(options):
+    import gmsh
+    pairs = [text.partition("=") for text in options.side_of]
+    for surface, equals, block in pairs:
+        if not (surface and equals and block):
+            raise MeshError(f"--side-of wants SURFACE=BLOCK, not '{surface + equals + block}'")
+    gmsh.initialize(interruptible=False)
+    try:
+        gmsh.option.setNumber("General.Terminal", 0)
+        try:
+            gmsh.open(options.input)
+        except Exception as error:
+            raise MeshError(f"gmsh cannot read '{options.input}': {error}") from error
+        mesh = from_gmsh(options.node_set, options.split, {s: b for s, _, b in pairs}, options.title)
+    finally:
+        gmsh.finalize()
+    write_exodus(options.output, mesh)
+    return mesh
+
+
+def main(arguments=None):
+    options = parse_arguments(arguments)
+    try:
+        mesh = convert(options)
+    except (MeshError, OSError) as error:
+        print(f"haptos_from_gmsh: {error}", file=sys.stderr)
+        return 1
+    print(f"{options.output}: {len(mesh.coordinates)} nodes")
+    for kind, sets in (("block", mesh.blocks), ("side set", mesh.side_sets), ("node set", mesh.node_sets)):
+        for item in sets:
+            size = len(getattr(item, {"block": "connectivity", "side set": "elements", "node set": "nodes"}[kind]))
+            print(f"  {kind} {item.id} '{item.name}': {size}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_LocalFrame.hpp"
+#include "Haptos_Mesh.hpp"
+
+namespace Haptos {
+
+/// \brief The meshes of an interface do not match, so that it cannot be treated node to node.
+class NonMatchingError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// \brief A rigid obstacle: the half space behind a plane.
+struct RigidPlane {
+  std::array<double, 3> point;
+  std::array<double, 3> normal;  ///< points to the body; need not be of length 1
+};
+
+/// \brief One contact interface as the user states it; exactly one of `primarySideSet` and `rigidPlane` is
+/// set.
+struct ContactSpec {
+  std::string name;              ///< for messages and results
+  std::string secondarySideSet;  ///< name or number
+  std::string primarySideSet;    ///< name or number; empty: rigid plane
+  std::optional<RigidPlane> rigidPlane;
+  std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
+  double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
+};
+
+/// \brief One node on the secondary side and what it may touch.
+///
+/// [u] = u_secondary - u_primary obeys [u] . normal <= gap; u_primary = 0 on a rigid plane.
+struct ContactPair {
+  std::int64_t secondaryNode;  ///< mesh index
+  std::int64_t primaryNode;    ///< mesh index; -1: rigid plane
+  LocalFrame frame;            ///< normal: outward from the secondary surface; rigid plane: -Normal
+  double gap;                  ///< initial distance along the normal; negative: initial penetration
+  double area;                 ///< tributary area of the secondary node
+};
+
+struct ContactInterface {
+  std::string name;
+  std::vector<ContactPair> pairs;  ///< ascending secondary node
+  std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
+  std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd
+};
+
+/// \brief Pairs of all interfaces, node to node (see `matchSurfaces`).  Serial: needs the whole mesh.
+///
+/// A node may be secondary in several interfaces (a corner): it then has a pair in each.
+/// \throws NonMatchingError if the nodes of two surfaces do not match
+/// \throws InputError for a side set that is missing, an interface without or with two obstacles, a node on
+///   both sides of an interface, normals that do not oppose, a direction that is zero or not finite
+std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs);
+
+/// \brief The pairs of one interface; see `buildContact`.
+ContactInterface buildContactInterface(const Mesh& mesh, const ContactSpec& spec);
+
+}  // namespace Haptos

@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactSurface.hpp"
+
+#include <Teuchos_TestForException.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+#include <tuple>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_Vec3.hpp"
+
+namespace Haptos {
+namespace {
+
+using Corners = std::array<Vec3::Array, 4>;
+
+std::vector<ElementSide> uniqueSides(const SideSet& set) {
+  auto key = [](const ElementSide& s) { return std::tie(s.element, s.side); };
+  auto sides = set.sides;
+  std::sort(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  sides.erase(
+      std::unique(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
+      sides.end());
+  return sides;
+}
+
+std::int64_t elementNumber(const Mesh& mesh, std::int64_t element) {
+  return mesh.elementNumbers.empty() ? element + 1 : mesh.elementNumbers[std::size_t(element)];
+}
+
+// Faces as mesh nodes; a quadrilateral with two equal corners (a collapsed brick) is a triangle.
+std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std::string& name,
+                                                    const std::vector<ElementSide>& sides) {
+  const auto offsets = blockOffsets(mesh);
+  std::vector<std::vector<std::int64_t>> faces;
+  faces.reserve(sides.size());
+  for (const ElementSide& side : sides) {
+    auto face = nodesOfSide(mesh, offsets, side);
+    face.erase(std::unique(face.begin(), face.end()), face.end());
+    if (face.size() > 1 && face.front() == face.back()) face.pop_back();
+    TEUCHOS_TEST_FOR_EXCEPTION(face.size() < 3, InputError,
+                               "Side set '" << name << "': side " << side.side + 1 << " of element "
+                                            << elementNumber(mesh, side.element)
+                                            << " is collapsed to a line; leave it out of the side set.");
+    faces.push_back(std::move(face));
+  }
+  return faces;
+}
+
+void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>& faces,
+                 ContactSurface& surface) {
+  for (const auto& face : faces) surface.nodes.insert(surface.nodes.end(), face.begin(), face.end());
+  std::sort(surface.nodes.begin(), surface.nodes.end());
+  surface.nodes.erase(std::unique(surface.nodes.begin(), surface.nodes.end()), surface.nodes.end());
+  surface.coordinates.reserve(surface.numNodes());
+  for (const auto node : surface.nodes) surface.coordinates.push_back(mesh.coordinates[std::size_t(node)]);
+
+  surface.facets.reserve(faces.size());
+  for (const auto& face : faces) {
+    std::array<int, 4> facet = {-1, -1, -1, -1};
+    for (std::size_t i = 0; i < face.size(); ++i)
+      facet[i] =
+          int(std::lower_bound(surface.nodes.begin(), surface.nodes.end(), face[i]) - surface.nodes.begin());
+    surface.facets.push_back(facet);
+  }
+}
+
+Corners cornersOf(const ContactSurface& surface, int facet) {
+  Corners x{};
+  for (int i = 0; i < surface.facetSize(facet); ++i)
+    x[std::size_t(i)] = surface.coordinates[std::size_t(surface.facets[std::size_t(facet)][std::size_t(i)])];
+  return x;
+}
+
+// Twice the area vector: of a triangle by two edges, of a quadrilateral by its diagonals.
+Vec3::Array areaVector(const Corners& x, int size) {
+  return size == 3 ? Vec3::cross(Vec3::subtract(x[1], x[0]), Vec3::subtract(x[2], x[0]))
+                   : Vec3::cross(Vec3::subtract(x[2], x[0]), Vec3::subtract(x[3], x[1]));
+}
+
+void setFacetNormals(const Mesh& mesh, const std::vector<ElementSide>& sides, ContactSurface& surface) {
+  surface.facetNormals.reserve(surface.numFacets());
+  for (int f = 0; f < int(surface.numFacets()); ++f) {
+    const Corners x = cornersOf(surface, f);
+    const Vec3::Array vector = areaVector(x, surface.facetSize(f));
+    const double length =
+        std::max(Vec3::norm(Vec3::subtract(x[1], x[0])), Vec3::norm(Vec3::subtract(x[2], x[1])));
+    TEUCHOS_TEST_FOR_EXCEPTION(!(Vec3::norm(vector) > 1e-12 * length * length), InputError,
+                               "Side set '" << surface.name << "': side " << sides[std::size_t(f)].side + 1
+                                            << " of element "
+                                            << elementNumber(mesh, sides[std::size_t(f)].element)
+                                            << " has no area; the element is degenerate.");
+    surface.facetNormals.push_back(Vec3::normalized(vector));
+  }
+}
+
+struct Corner {
+  double angle;
+  Vec3::Array normal;
+};
+
+Corner cornerOf(const Corners& x, int size, int i, const Vec3::Array& facetNormal) {
+  const auto at = [&](int k) -> const Vec3::Array& { return x[std::size_t((k + size) % size)]; };
+  const auto next = Vec3::subtract(at(i + 1), at(i)), previous = Vec3::subtract(at(i - 1), at(i));
+  const auto product = Vec3::cross(next, previous);
+  const double length = Vec3::norm(product);
+  const double angle = std::atan2(length, Vec3::dot(next, previous));
+  const bool usable =
+      length > 1e-12 * Vec3::norm(next) * Vec3::norm(previous) && Vec3::dot(product, facetNormal) > 0.0;
+  return {angle, usable ? Vec3::scale(1.0 / length, product) : facetNormal};
+}
+
+// Integrals of the four bilinear shape functions, 2 x 2 Gauss points.
+std::array<double, 4> quadrilateralAreas(const Corners& x) {
+  static constexpr std::array<std::array<double, 2>, 4> reference = {{{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}};
+  const double g = 1.0 / std::sqrt(3.0);
+  std::array<double, 4> areas{};
+  for (const auto& point : reference) {
+    const double xi = g * point[0], eta = g * point[1];
+    Vec3::Array dXi{}, dEta{};
+    for (std::size_t i = 0; i < 4; ++i) {
+      dXi = Vec3::add(dXi, Vec3::scale(0.25 * reference[i][0] * (1 + eta * reference[i][1]), x[i]));
+      dEta = Vec3::add(dEta, Vec3::scale(0.25 * reference[i][1] * (1 + xi * reference[i][0]), x[i]));
+    }
+    const double jacobian = Vec3::norm(Vec3::cross(dXi, dEta));
+    for (std::size_t i = 0; i < 4; ++i)
+      areas[i] += 0.25 * (1 + xi * reference[i][0]) * (1 + eta * reference[i][1]) * jacobian;
+  }
+  return areas;
+}
+
+std::array<double, 4> facetAreas(const Corners& x, int size) {
+  if (size == 4) return quadrilateralAreas(x);
+  const double third = Vec3::norm(areaVector(x, 3)) / 6.0;
+  return {third, third, third, 0.0};
+}
+
+// Adds every face to its nodes: angle-weighted normal (not yet of length 1), area, shortest edge.
+void accumulateNodalData(ContactSurface& surface) {
+  surface.normals.assign(surface.numNodes(), Vec3::Array{});
+  surface.areas.assign(surface.numNodes(), 0.0);
+  surface.sizes.assign(surface.numNodes(), std::numeric_limits<double>::max());
+  for (int f = 0; f < int(surface.numFacets()); ++f) {
+    const int size = surface.facetSize(f);
+    const Corners x = cornersOf(surface, f);
+    const auto areas = facetAreas(x, size);
+    double shortest = std::numeric_limits<double>::max();
+    for (int i = 0; i < size; ++i)
+      shortest =
+          std::min(shortest, Vec3::norm(Vec3::subtract(x[std::size_t((i + 1) % size)], x[std::size_t(i)])));
+    for (int i = 0; i < size; ++i) {
+      const auto node = std::size_t(surface.facets[std::size_t(f)][std::size_t(i)]);
+      const Corner corner = cornerOf(x, size, i, surface.facetNormals[std::size_t(f)]);
+      surface.normals[node] = Vec3::add(surface.normals[node], Vec3::scale(corner.angle, corner.normal));
+      surface.areas[node] += areas[std::size_t(i)];
+      surface.sizes[node] = std::min(surface.sizes[node], shortest);
+    }
+  }
+}
+
+void normalizeNormals(const Mesh& mesh, ContactSurface& surface) {
+  const auto refuse = [&](std::size_t node) {
+    TEUCHOS_TEST_FOR_EXCEPTION(
+        true, InputError,
+        "Side set '" << surface.name << "': the faces around " << describeNode(mesh, surface.nodes[node])
+                     << " look in opposite directions, so that it has no outward normal; "
+                        "put the two sides of a thin part into two side sets.");
+  };
+  for (std::size_t i = 0; i < surface.numNodes(); ++i) {
+    if (!(Vec3::norm(surface.normals[i]) > 1e-6)) refuse(i);
+    surface.normals[i] = Vec3::normalized(surface.normals[i]);
+  }
+  constexpr double smallestCosine = 0.0175;  // a face steeper than 89 degrees against the mean is folded back
+  for (std::size_t f = 0; f < surface.numFacets(); ++f)
+    for (const int node : surface.facets[f])
+      if (node >= 0 &&
+          Vec3::dot(surface.normals[std::size_t(node)], surface.facetNormals[f]) < smallestCosine)
+        refuse(std::size_t(node));
+}
+
+void setTurns(ContactSurface& surface) {
+  surface.turns.assign(surface.numNodes(), 0.0);
+  for (const auto& facet : surface.facets)
+    for (const int a : facet)
+      for (const int b : facet) {
+        if (a < 0 || b < 0 || a == b) continue;
+        const double sine =
+            Vec3::norm(Vec3::cross(surface.normals[std::size_t(a)], surface.normals[std::size_t(b)]));
+        surface.turns[std::size_t(a)] = std::max(surface.turns[std::size_t(a)], sine);
+      }
+}
+
+}  // namespace
+
+std::string describeNode(const Mesh& mesh, std::int64_t node) {
+  const auto& x = mesh.coordinates[std::size_t(node)];
+  std::ostringstream text;
+  text << "node " << (mesh.nodeNumbers.empty() ? node + 1 : mesh.nodeNumbers[std::size_t(node)]) << " ("
+       << x[0] << ", " << x[1] << ", " << x[2] << ")";
+  return text.str();
+}
+
+ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {
+  const int position = findSideSet(mesh, sideSet);
+  TEUCHOS_TEST_FOR_EXCEPTION(
+      position < 0, InputError,
+      "There is no side set '" << sideSet << "'; the mesh has: " << listSideSets(mesh) << ".");
+  const SideSet& set = mesh.sideSets[std::size_t(position)];
+  TEUCHOS_TEST_FOR_EXCEPTION(
+      set.sides.empty(), InputError,
+      "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
+  ContactSurface surface;
+  surface.name = set.name.empty() ? std::to_string(set.id) : set.name;
+  const auto sides = uniqueSides(set);
+  setTopology(mesh, collectFaces(mesh, surface.name, sides), surface);
+  setFacetNormals(mesh, sides, surface);
+  accumulateNodalData(surface);
+  normalizeNormals(mesh, surface);
+  setTurns(surface);
+  return surface;
+}
+
+}  // namespace Haptos

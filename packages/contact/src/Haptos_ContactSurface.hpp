@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "Haptos_Mesh.hpp"
+
+namespace Haptos {
+
+/// \brief The faces of one side set as a surface of its own: nodes, normals, areas, sizes.
+///
+/// The normal of a node is the mean of the outward corner normals of the faces around it, weighted by the
+/// angle of the corner (Thuermer and Wuethrich 1998): it depends neither on the numbering nor on how a face
+/// is cut into triangles.  The tributary area of a node is the integral of its shape function over the
+/// surface (2 x 2 Gauss points on quadrilaterals, exact on plane ones), so the areas sum to that of the
+/// surface. Node indices inside are positions in `nodes` (0-based).
+struct ContactSurface {
+  std::string name;                                ///< the side set's name, or its number
+  std::vector<std::int64_t> nodes;                 ///< [numNodes] mesh indices, ascending
+  std::vector<std::array<double, 3>> coordinates;  ///< [numNodes]
+  std::vector<std::array<double, 3>> normals;      ///< [numNodes] unit, outward
+  std::vector<double> areas;                       ///< [numNodes] tributary area
+  std::vector<double> sizes;                       ///< [numNodes] shortest edge of the faces around the node
+  /// [numNodes] sine of the largest angle between the normal here and at a node of the same face (0 if flat)
+  std::vector<double> turns;
+  std::vector<std::array<int, 4>> facets;  ///< [numFacets] node positions, outward; -1 last: triangle
+  std::vector<std::array<double, 3>> facetNormals;  ///< [numFacets] unit, outward
+
+  std::size_t numNodes() const { return nodes.size(); }
+  std::size_t numFacets() const { return facets.size(); }
+  int facetSize(int facet) const { return facets[std::size_t(facet)][3] < 0 ? 3 : 4; }
+};
+
+/// \brief Surface of a side set, given by name or number; a side that the set lists twice counts once.
+/// \throws InputError if there is no such side set (lists those there are), if it is empty, if a face has no
+///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
+ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
+
+/// \brief "node 17 (0.5, 0.25, 0)": the file's number and the place of a node, for messages.
+std::string describeNode(const Mesh& mesh, std::int64_t node);
+
+}  // namespace Haptos

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contact: pairs of surfaces, rigid planes, friction.
+#include <Teuchos_Array.hpp>
+#include <Teuchos_ParameterList.hpp>
+#include <algorithm>
+
+#include "Haptos_ParameterSections.hpp"
+
+namespace Haptos {
+
+namespace {
+
+using Teuchos::ParameterList;
+using Type = ParameterType;
+
+std::string zeroVector(const ParameterList& list, const std::string& name) {
+  if (!list.isParameter(name)) return "";
+  const auto& vector = list.get<Teuchos::Array<double>>(name);
+  const bool zero = std::all_of(vector.begin(), vector.end(), [](double v) { return v == 0.0; });
+  return zero ? name + ": is the zero vector; give a direction (its length does not matter)" : "";
+}
+
+ParameterTree rigidPlane() {
+  ParameterTree plane("Rigid Plane", "A rigid obstacle in the place of a primary surface.");
+  plane
+      .add(ParameterSpec("Point", {Type::DoubleArray}, "A point of the plane")
+               .mustBeGiven()
+               .entries(3, 3)
+               .measuredIn("length"))
+      .add(ParameterSpec("Normal", {Type::DoubleArray}, "Points from the plane to the body; any length")
+               .mustBeGiven()
+               .entries(3, 3))
+      .rule("`Normal` is not zero.", [](const ParameterList& list) { return zeroVector(list, "Normal"); });
+  return plane;
+}
+
+std::string lawIsMissing(const ParameterList& list) {
+  if (list.isParameter("Law") || !list.isParameter("Coefficients")) return "";
+  return "Law: is missing though Coefficients are given; give Coulomb, Tresca or Frictionless";
+}
+
+ParameterTree friction() {
+  ParameterTree section("Friction", "Orthotropic friction: ||F^-1 lambda_T|| <= g, F = diag(F1, F2).");
+  section
+      .add(ParameterSpec("Law", {Type::String},
+                         "Coulomb: g is the contact pressure; Tresca: g is the Slip Bound")
+               .defaultTo(std::string("Frictionless"))
+               .oneOf({"Frictionless", "Tresca", "Coulomb"}))
+      .add(ParameterSpec("Coefficients", {Type::DoubleArray},
+                         "F1, F2 along the principal axes t1, t2; 0 takes the friction along an axis away")
+               .neededWhen("Law", {"Tresca", "Coulomb"})
+               .entries(2, 2)
+               .within(NumberRange::atLeast(0))
+               .measuredIn("-"))
+      .add(ParameterSpec("Principal Direction", {Type::DoubleArray},
+                         "Its projection on the tangent plane is the axis t1; t2 = n x t1")
+               .defaultTo(std::vector<double>{1, 0, 0})
+               .entries(3, 3))
+      .add(ParameterSpec("Slip Bound", {Type::Double}, "Bound of the tangential traction")
+               .onlyWhen("Law", {"Tresca"})
+               .neededWhen("Law", {"Tresca"})
+               .within(NumberRange::atLeast(0))
+               .measuredIn("force per area"))
+      .rule("`Principal Direction` is not zero.",
+            [](const ParameterList& list) { return zeroVector(list, "Principal Direction"); })
+      .rule("Where `Coefficients` are given, `Law` is given too.", lawIsMissing);
+  return section;
+}
+
+std::string sameSurface(const ParameterList& list) {
+  if (!list.isParameter("Primary Side Set")) return "";
+  const auto& name = list.get<std::string>("Primary Side Set");
+  if (name != list.get<std::string>("Secondary Side Set")) return "";
+  return "Primary Side Set: is the Secondary Side Set '" + name + "' too; give two different surfaces";
+}
+
+}  // namespace
+
+ParameterTree contactSection() {
+  ParameterTree pair("<contact>", "One pair of surfaces, or a surface and a rigid plane; the name is yours.");
+  pair.add(ParameterSpec("Secondary Side Set", {Type::String},
+                         "Name or number of the surface that carries the multipliers and the normal")
+               .mustBeGiven()
+               .notEmpty())
+      .add(ParameterSpec("Primary Side Set", {Type::String}, "Name or number of the opposite surface")
+               .notEmpty())
+      .add(rigidPlane())
+      .add(ParameterSpec("Discretization", {Type::String},
+                         "Node To Node needs matching meshes, Mortar does not; Automatic chooses")
+               .defaultTo(std::string("Automatic"))
+               .oneOf({"Automatic", "Node To Node", "Mortar"}))
+      .add(ParameterSpec(
+               "Matching Tolerance", {Type::Double},
+               "Node To Node: largest tangential distance of paired nodes, relative to the element size")
+               .defaultTo(1e-3)
+               .within(NumberRange{0, 0.5, true, false})
+               .measuredIn("-"))
+      .add(friction())
+      .exactlyOneOf({"Primary Side Set", "Rigid Plane"})
+      .rule("The two side sets differ.", sameSurface);
+  ParameterTree contact("Contact", "One list for each contact; without this section there is no contact.");
+  contact.addUserNamed(std::move(pair), 0);
+  return contact;
+}
+
+}  // namespace Haptos

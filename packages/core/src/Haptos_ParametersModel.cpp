@@ -1,0 +1,73 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Mesh, Decomposition and Materials.
+#include "Haptos_ParameterSections.hpp"
+
+namespace Haptos {
+
+using Type = ParameterType;
+
+ParameterTree meshSection() {
+  ParameterTree twoBeams(
+      "Two Beams",
+      "A generated benchmark: lower body x in [0,2], y in [0,1], z in [-1,0], upper body z in "
+      "[0,1]. Element blocks `lower`, `upper`; side sets `lower_contact` (z=0), `upper_contact` "
+      "(z=0), `lower_clamp` and `upper_clamp` (x=0), `upper_top` (z=1), `lower_bottom` (z=-1), "
+      "`upper_end` (x=2).");
+  twoBeams
+      .add(ParameterSpec("Subdomains Per Edge", {Type::Int}, "k: each body has 2k x k x k bricks")
+               .mustBeGiven()
+               .within(NumberRange::closed(1, 200)))
+      .add(ParameterSpec("Elements Per Subdomain Edge", {Type::Int},
+                         "p = H/h: each brick has p x p x p elements")
+               .mustBeGiven()
+               .within(NumberRange::closed(1, 200)));
+  ParameterTree mesh("Mesh", "The bodies: a file or a generated mesh.");
+  mesh.add(ParameterSpec("File", {Type::String}, "Exodus II file, relative to the folder of this XML file")
+               .notEmpty()
+               .isFileName())
+      .add(std::move(twoBeams))
+      .exactlyOneOf({"File", "Two Beams"});
+  return mesh;
+}
+
+ParameterTree decompositionSection() {
+  ParameterTree section("Decomposition",
+                        "How the bodies are cut into subdomains; no subdomain spans two bodies.");
+  section
+      .add(
+          ParameterSpec("Method", {Type::String},
+                        "METIS cuts any mesh; Bricks are those of the generated mesh, and its default; Block "
+                        "makes one subdomain of each body")
+              .defaultTo(std::string("METIS"))
+              .oneOf({"METIS", "Bricks", "Block"}))
+      .add(ParameterSpec("Subdomains", {Type::Int}, "Number of subdomains over all bodies; 0 chooses")
+               .defaultTo(0)
+               .within(NumberRange::atLeast(0)))
+      .add(ParameterSpec("Seed", {Type::Int}, "Seed of METIS; the same seed gives the same subdomains")
+               .defaultTo(1)
+               .within(NumberRange::atLeast(0)));
+  return section;
+}
+
+ParameterTree materialsSection() {
+  ParameterTree material("<material>", "One isotropic linearly elastic material; the name is yours.");
+  material
+      .add(ParameterSpec("Element Blocks", {Type::StringArray}, "Names or numbers of the element blocks")
+               .mustBeGiven()
+               .entries(1, std::numeric_limits<std::size_t>::max())
+               .notEmpty())
+      .add(ParameterSpec("Young's Modulus", {Type::Double}, "Elastic modulus")
+               .mustBeGiven()
+               .within(NumberRange::above(0))
+               .measuredIn("force per area"))
+      .add(ParameterSpec("Poisson's Ratio", {Type::Double}, "Ratio of lateral contraction")
+               .mustBeGiven()
+               .within(NumberRange::open(-1, 0.5))
+               .measuredIn("-"));
+  ParameterTree materials("Materials",
+                          "One list for each material; every element block belongs to exactly one.");
+  materials.addUserNamed(std::move(material), 1);
+  return materials;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief The phases of a run, as the summary names them.
+enum class Phase { Read, Decompose, Assemble, Factor, Coarse, Solve, Recover, Write };
+inline constexpr std::size_t numPhases = 8;
+const char* phaseName(Phase phase);  ///< "read", "decompose", ...
+
+/// \brief Wall seconds of the slowest rank.
+struct PhaseTimes {
+  std::array<double, numPhases> seconds{};  ///< index: Phase
+  double total = 0.0;                       ///< since the clock was made
+  double of(Phase phase) const { return seconds[std::size_t(phase)]; }
+};
+
+/// \brief Measures how long this rank spends in every phase.
+///
+/// A phase that starts inside another one stops the outer one until it ends, so no second counts twice and
+/// the phases add up to at most the total.
+class RunClock {
+ public:
+  using Now = std::function<double()>;  ///< seconds since any fixed moment, never decreasing
+
+  RunClock();
+  explicit RunClock(Now now);
+
+  /// \brief Ends its phase when it goes out of scope.
+  class Scope {
+   public:
+    Scope(Scope&& other) noexcept : clock_(other.clock_) { other.clock_ = nullptr; }
+    Scope(const Scope&) = delete;
+    Scope& operator=(const Scope&) = delete;
+    Scope& operator=(Scope&&) = delete;
+    ~Scope();
+
+   private:
+    friend class RunClock;
+    explicit Scope(RunClock& clock) : clock_(&clock) {}
+    RunClock* clock_;
+  };
+
+  [[nodiscard]] Scope time(Phase phase);
+
+  double seconds(Phase phase) const;  ///< [s] on this rank, a running phase included
+  double total() const;               ///< [s] since construction
+
+  /// \brief Maxima over the ranks, the same on all.  Collective.
+  PhaseTimes slowest(const Communicator& comm) const;
+
+ private:
+  void credit();  ///< gives the time since the last change to the innermost running phase
+  void stop();
+
+  Now now_;
+  double start_, lastChange_;
+  std::vector<Phase> running_;
+  std::array<double, numPhases> seconds_{};
+};
+
+/// \brief Largest resident memory of this process so far [MB = 2^20 bytes].
+double peakMemoryMb();
+
+/// \brief `peakMemoryMb` of every rank, [number of ranks], the same on all.  Collective.
+std::vector<double> gatherPeakMemoryMb(const Communicator& comm);
+
+}  // namespace Haptos

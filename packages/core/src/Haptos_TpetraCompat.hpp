@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_ArrayView.hpp>
+#include <cstddef>
+
+namespace Haptos {
+
+// Newer Trilinos says getLocal... where 13.2 says getNode...; these functions take whichever is there.
+// The int argument makes the first overload, with the new name, the better match.
+namespace Compat {
+
+template <class M>
+auto numElements(const M& map, int) -> decltype(map.getLocalNumElements()) {
+  return map.getLocalNumElements();
+}
+template <class M>
+auto numElements(const M& map, long) -> decltype(map.getNodeNumElements()) {
+  return map.getNodeNumElements();
+}
+
+template <class M>
+auto elementList(const M& map, int) -> decltype(map.getLocalElementList()) {
+  return map.getLocalElementList();
+}
+template <class M>
+auto elementList(const M& map, long) -> decltype(map.getNodeElementList()) {
+  return map.getNodeElementList();
+}
+
+template <class A>
+auto numRows(const A& matrix, int) -> decltype(matrix.getLocalNumRows()) {
+  return matrix.getLocalNumRows();
+}
+template <class A>
+auto numRows(const A& matrix, long) -> decltype(matrix.getNodeNumRows()) {
+  return matrix.getNodeNumRows();
+}
+
+template <class A>
+auto numEntries(const A& matrix, int) -> decltype(matrix.getLocalNumEntries()) {
+  return matrix.getLocalNumEntries();
+}
+template <class A>
+auto numEntries(const A& matrix, long) -> decltype(matrix.getNodeNumEntries()) {
+  return matrix.getNodeNumEntries();
+}
+
+template <class A>
+auto maxNumRowEntries(const A& matrix, int) -> decltype(matrix.getLocalMaxNumRowEntries()) {
+  return matrix.getLocalMaxNumRowEntries();
+}
+template <class A>
+auto maxNumRowEntries(const A& matrix, long) -> decltype(matrix.getNodeMaxNumRowEntries()) {
+  return matrix.getNodeMaxNumRowEntries();
+}
+
+}  // namespace Compat
+
+/// \brief Number of indices of `map` on this rank.
+template <class M>
+std::size_t localNumElements(const M& map) {
+  return Compat::numElements(map, 0);
+}
+
+/// \brief Global indices of `map` on this rank, by local index; valid as long as the map.
+template <class M>
+auto localElementList(const M& map) {
+  return Compat::elementList(map, 0);
+}
+
+/// \brief Number of rows of a matrix or graph on this rank.
+template <class A>
+std::size_t localNumRows(const A& matrix) {
+  return Compat::numRows(matrix, 0);
+}
+
+/// \brief Number of stored entries of a matrix or graph on this rank.
+template <class A>
+std::size_t localNumEntries(const A& matrix) {
+  return Compat::numEntries(matrix, 0);
+}
+
+/// \brief Largest number of entries in one row on this rank.
+template <class A>
+std::size_t localMaxNumRowEntries(const A& matrix) {
+  return Compat::maxNumRowEntries(matrix, 0);
+}
+
+/// \brief Calls `visit(localColumn, value)` for every entry of a local row of a fill-complete CrsMatrix.
+template <class A, class Visit>
+void forEachEntryOfRow(const A& matrix, typename A::local_ordinal_type row, Visit&& visit) {
+  typename A::local_inds_host_view_type columns;
+  typename A::values_host_view_type values;
+  matrix.getLocalRowView(row, columns, values);
+  for (std::size_t k = 0; k < std::size_t(columns.extent(0)); ++k) visit(columns(k), values(k));
+}
+
+}  // namespace Haptos

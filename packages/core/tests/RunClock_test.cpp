@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Phases, memory, progress lines and the names that newer Trilinos changed.
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_Map.hpp>
+#include <sstream>
+
+#include "Haptos_Progress.hpp"
+#include "Haptos_RunClock.hpp"
+#include "Haptos_TpetraCompat.hpp"
+
+namespace {
+
+using namespace Haptos;
+
+TEUCHOS_UNIT_TEST(RunClock, NestedPhasesAreNotCountedTwice) {
+  double now = 100.0;
+  RunClock clock([&] { return now; });
+  {
+    const auto solve = clock.time(Phase::Solve);
+    now += 1.0;
+    {
+      const auto coarse = clock.time(Phase::Coarse);
+      now += 2.0;
+      TEST_EQUALITY(clock.seconds(Phase::Coarse), 2.0);  // still running
+    }
+    now += 4.0;
+  }
+  now += 8.0;
+  try {
+    const auto write = clock.time(Phase::Write);
+    now += 16.0;
+    throw 1;
+  } catch (int) {
+    now += 32.0;
+  }
+  TEST_EQUALITY(clock.seconds(Phase::Solve), 5.0);
+  TEST_EQUALITY(clock.seconds(Phase::Coarse), 2.0);
+  TEST_EQUALITY(clock.seconds(Phase::Write), 16.0);
+  TEST_EQUALITY(clock.seconds(Phase::Read), 0.0);
+  TEST_EQUALITY(clock.total(), 63.0);
+}
+
+TEUCHOS_UNIT_TEST(RunClock, SlowestRankCounts) {
+  const auto comm = Tpetra::getDefaultComm();
+  const int rank = comm->getRank(), last = comm->getSize() - 1;
+  double now = 0.0;
+  RunClock clock([&] { return now; });
+  {
+    const auto read = clock.time(Phase::Read);
+    now += 1.0 + rank;  // slowest on the last rank
+  }
+  {
+    const auto factor = clock.time(Phase::Factor);
+    now += 10.0 - rank;  // slowest on rank 0
+  }
+  const auto times = clock.slowest(*comm);
+  TEST_EQUALITY(times.of(Phase::Read), 1.0 + last);
+  TEST_EQUALITY(times.of(Phase::Factor), 10.0);
+  TEST_EQUALITY(times.total, 11.0);
+  TEST_EQUALITY(std::string(phaseName(Phase::Read)), "read");
+  TEST_EQUALITY(std::string(phaseName(Phase::Write)), "write");
+}
+
+TEUCHOS_UNIT_TEST(RunClock, MemoryOfEveryRank) {
+  const auto comm = Tpetra::getDefaultComm();
+  const double before = peakMemoryMb();
+  const std::size_t size = std::size_t(256) << 20;
+  std::vector<char> ballast;
+  if (comm->getRank() == comm->getSize() - 1) ballast.assign(size, 1);  // touched, so it is resident
+  const auto memory = gatherPeakMemoryMb(*comm);
+  TEST_EQUALITY(int(memory.size()), comm->getSize());
+  for (const double mb : memory) TEST_ASSERT(mb > 1.0 && mb < 1e5);
+  if (!ballast.empty()) TEST_COMPARE(memory.back(), >=, before + 128.0);
+  TEST_COMPARE(memory.back(), >=, 256.0);
+}
+
+struct Printed {
+  std::ostringstream out, err;
+  double now = 0.0;
+  Progress::Options options(bool terminal) {
+    Progress::Options o;
+    o.out = &out;
+    o.err = &err;
+    o.terminal = terminal;
+    o.logInterval = 5.0;
+    o.now = [this] { return now; };
+    return o;
+  }
+};
+
+TEUCHOS_UNIT_TEST(Progress, LogsAreRateLimitedAndKeepTheLastState) {
+  const auto comm = Tpetra::getDefaultComm();
+  Printed printed;
+  {
+    Progress progress(*comm, printed.options(false));
+    for (int i = 0; i <= 12; ++i) {
+      printed.now = i;
+      progress.update("step " + std::to_string(i));
+    }
+    progress.warn("careful");
+    progress.line("done");
+  }
+  const bool root = comm->getRank() == 0;
+  const std::string expected =
+      "[     0.0 s] step 0\n[     5.0 s] step 5\n[    10.0 s] step 10\n[    12.0 s] step 12\n[    12.0 s] "
+      "done\n";
+  TEST_EQUALITY(printed.out.str(), root ? expected : "");
+  TEST_EQUALITY(printed.err.str(), root ? "haptos: warning: careful\n" : "");
+}
+
+TEUCHOS_UNIT_TEST(Progress, TerminalsRewriteOneLine) {
+  const auto comm = Tpetra::getDefaultComm();
+  Printed printed;
+  {
+    Progress progress(*comm, printed.options(true));
+    progress.update("a long state");
+    printed.now = 1.0;
+    progress.update("short");
+    printed.now = 1.01;
+    progress.update("last");  // too soon, held back until the end
+  }
+  const bool root = comm->getRank() == 0;
+  TEST_EQUALITY(printed.out.str(), root ? "\r[     0.0 s] a long state\r[     1.0 s] short       "
+                                          "\r[     1.0 s] last \n"
+                                        : "");
+}
+
+TEUCHOS_UNIT_TEST(TpetraCompat, CountsAndRows) {
+  const auto comm = Tpetra::getDefaultComm();
+  const auto map = Teuchos::rcp(new Map(3 * comm->getSize(), 3, 0, comm));
+  TEST_EQUALITY(localNumElements(*map), 3);
+  TEST_EQUALITY(localElementList(*map)[1], 3 * comm->getRank() + 1);
+  CrsMatrix matrix(map, 2);
+  for (const auto row : localElementList(*map)) {
+    const GlobalOrdinal first = 3 * comm->getRank();
+    matrix.insertGlobalValues(row, Teuchos::tuple<GlobalOrdinal>(row), Teuchos::tuple(2.0));
+    if (row != first)
+      matrix.insertGlobalValues(row, Teuchos::tuple<GlobalOrdinal>(first), Teuchos::tuple(0.5));
+  }
+  matrix.fillComplete();
+  TEST_EQUALITY(localNumRows(matrix), 3);
+  TEST_EQUALITY(localNumEntries(matrix), 5);
+  TEST_EQUALITY(localMaxNumRowEntries(matrix), 2);
+  double sum = 0.0;
+  int visited = 0;
+  forEachEntryOfRow(matrix, 2, [&](LocalOrdinal column, double value) {
+    sum += value * (column + 1);
+    ++visited;
+  });
+  TEST_EQUALITY(visited, 2);
+  TEST_EQUALITY(sum, 2.0 * 3 + 0.5 * 1);
+}
+
+}  // namespace

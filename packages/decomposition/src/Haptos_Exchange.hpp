@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <vector>
+
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+using Bytes = std::vector<char>;
+
+/// \brief Sends `outgoing[r]` to rank r and returns what every rank sent here, by sender.  Collective.
+///
+/// \param outgoing [ranks]
+/// \return [ranks]; messages above 2 GB are cut in pieces on the way.
+std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes>& outgoing);
+
+/// \brief Root sends `messages[r]` to rank r; returns this rank's one.  Collective.
+Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messages, int root = 0);
+
+/// \brief Every rank sends `message` to root.  Collective.
+/// \return on root [ranks], elsewhere empty.
+std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, int root = 0);
+
+/// \brief Every rank gets every rank's message, by sender.  Collective.
+std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message);
+
+}  // namespace Haptos

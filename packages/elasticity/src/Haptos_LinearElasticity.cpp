@@ -1,0 +1,223 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_LinearElasticity.hpp"
+
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <Teuchos_Assert.hpp>
+#include <cmath>
+#include <sstream>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_ReferenceElement.hpp"
+
+namespace Haptos {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+template <class Shape>
+using NodeColumns = Eigen::Matrix<double, 3, Shape::numNodes>;
+
+// The same 3 numNodes numbers as a vector and as columns of nodes.
+template <class Shape>
+Eigen::Map<const NodeColumns<Shape>> asColumns(const double* entries) {
+  return Eigen::Map<const NodeColumns<Shape>>(entries);
+}
+
+template <class Shape>
+NodeColumns<Shape> relativeCoordinates(const Coordinates& coordinates, const int* nodes) {
+  NodeColumns<Shape> x;
+  const auto& origin = coordinates[std::size_t(nodes[0])];
+  for (int a = 0; a < Shape::numNodes; ++a)
+    for (int i = 0; i < 3; ++i)
+      x(i, a) = coordinates[std::size_t(nodes[a])][std::size_t(i)] - origin[std::size_t(i)];
+  return x;
+}
+
+// J_ik = dx_i/dxi_k
+template <class Shape>
+Matrix3d jacobian(const NodeColumns<Shape>& x, const ReferenceElement& rule, int point) {
+  return x * asColumns<Shape>(rule.gradients.col(point).data()).transpose();
+}
+
+double determinantOf(const Matrix3d& j) { return j.col(0).dot(j.col(1).cross(j.col(2))); }
+
+// Relative to the edges, so that thin needles pass and flat elements do not, in any unit of length.
+bool isAcceptable(const Matrix3d& j, double determinant) {
+  return determinant > 1e-12 * j.col(0).norm() * j.col(1).norm() * j.col(2).norm();
+}
+
+template <class Shape>
+[[noreturn]] void throwBadElement(const NodeColumns<Shape>& x, const ElementGroup& group, int element) {
+  const auto& rule = stiffnessRule(Shape::topology);
+  int negative = 0, bad = 0, worst = 0;
+  double lowest = std::numeric_limits<double>::infinity();
+  for (int p = 0; p < rule.numPoints(); ++p) {
+    const Matrix3d j = jacobian<Shape>(x, rule, p);
+    const double determinant = determinantOf(j);
+    if (isAcceptable(j, determinant)) continue;
+    ++bad;
+    if (isAcceptable(j, -determinant)) ++negative;
+    if (determinant < lowest) lowest = determinant, worst = p;
+  }
+  std::ostringstream message;
+  message << describeElement(group, element);
+  if (!x.allFinite())
+    message << " has a node whose coordinates are not finite; correct the mesh";
+  else if (negative == rule.numPoints())
+    message << " is inverted (Jacobian determinant " << lowest
+            << " < 0 everywhere): its nodes are listed in mirrored order; reorder them as Exodus does";
+  else if (negative > 0)
+    message << " is folded (Jacobian determinant " << lowest << " < 0 at " << negative << " of "
+            << rule.numPoints() << " integration points, lowest at point " << worst + 1
+            << "); move its nodes so that the determinant is positive everywhere";
+  else
+    message << " is degenerate (Jacobian determinant " << lowest << " at " << bad << " of "
+            << rule.numPoints() << " integration points: it has no volume there); merge or move its nodes";
+  throw InputError(message.str());
+}
+
+// sigma = shear (H + H^T) + dilatational tr(H) I, where H_ij = du_i/dx_j
+Matrix3d stressOf(const Matrix3d& h, double shear, double dilatational) {
+  Matrix3d sigma = shear * (h + h.transpose());
+  sigma.diagonal().array() += dilatational * h.trace();
+  return sigma;
+}
+
+template <class Shape>
+ElementVector<Shape> gather(const Eigen::Ref<const Eigen::VectorXd>& u, const int* nodes) {
+  ElementVector<Shape> local;
+  for (int a = 0; a < Shape::numNodes; ++a)
+    local.template segment<3>(3 * a) = u.segment<3>(3 * Eigen::Index(nodes[a]));
+  return local;
+}
+
+template <class Shape>
+void groupStresses(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
+                   const Eigen::Ref<const Eigen::VectorXd>& u, std::vector<Stress>& stresses) {
+  for (int e = 0; e < group.numElements(); ++e) {
+    const auto gradients = elementGradients<Shape>(coordinates, group, e);
+    const ElementVector<Shape> mean = gradients.at * gradients.volumes / gradients.volumes.sum();
+    const ElementVector<Shape> local = gather<Shape>(u, group.nodes(e));
+    const Matrix3d h = asColumns<Shape>(local.data()) * asColumns<Shape>(mean.data()).transpose();
+    const Matrix3d s = stressOf(h, moduli.shear, moduli.lambda);
+    stresses.push_back({s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0)});
+  }
+}
+
+}  // namespace
+
+ElasticModuli elasticModuli(const IsotropicMaterial& material) {
+  const double e = material.youngsModulus, nu = material.poissonsRatio;
+  TEUCHOS_TEST_FOR_EXCEPTION(
+      !(e > 0.0) || std::isinf(e), InputError,
+      "material \"" << material.name << "\": Young's Modulus is " << e << "; it must be finite and > 0");
+  TEUCHOS_TEST_FOR_EXCEPTION(
+      !(nu > -1.0 && nu < 0.5), InputError,
+      "material \"" << material.name << "\": Poisson's Ratio is " << nu << "; it must be > -1 and < 0.5");
+  const double shear = e / (2.0 * (1.0 + nu));
+  return {e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), shear, e / (3.0 * (1.0 - 2.0 * nu))};
+}
+
+template <class Shape>
+ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const ElementGroup& group,
+                                         int element) {
+  const auto& rule = stiffnessRule(Shape::topology);
+  const auto x = relativeCoordinates<Shape>(coordinates, group.nodes(element));
+  ElementGradients<Shape> result;
+  for (int p = 0; p < Shape::numPoints; ++p) {
+    const Matrix3d j = jacobian<Shape>(x, rule, p);
+    Matrix3d cofactor;  // J^-T = cofactor / det J
+    cofactor << j.col(1).cross(j.col(2)), j.col(2).cross(j.col(0)), j.col(0).cross(j.col(1));
+    const double determinant = j.col(0).dot(cofactor.col(0));
+    if (!isAcceptable(j, determinant)) throwBadElement<Shape>(x, group, element);
+    const Matrix3d inverseTranspose = cofactor / determinant;
+    Eigen::Map<NodeColumns<Shape>>(result.at.col(p).data()).noalias() =
+        inverseTranspose * asColumns<Shape>(rule.gradients.col(p).data());
+    result.volumes(p) = rule.weights(p) * determinant;
+  }
+  return result;
+}
+
+// With M_ab = integral of grad N_a (x) grad N_b, the block of nodes a and b is
+//   K_ab = c M_ab + shear (M_ab^T + tr(M_ab) I),            c = lambda,
+// and for BBar, whose volumetric part is bulk/V q_a (x) q_b with q_a = integral of grad N_a, c = -2/3 shear.
+template <class Shape>
+void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
+                      Formulation formulation, ElementMatrix<Shape>& stiffness) {
+  const bool bbar = formulation == Formulation::BBar;
+  const double c = bbar ? -2.0 / 3.0 * moduli.shear : moduli.lambda;
+
+  // Scaled by square roots, M = S S^T is symmetric to the last digit, and so is K.
+  const decltype(gradients.at) s = gradients.at * gradients.volumes.cwiseSqrt().asDiagonal();
+  ElementMatrix<Shape> m;
+  m.noalias() = s.lazyProduct(s.transpose());
+
+  for (int b = 0; b < Shape::numNodes; ++b)
+    for (int a = 0; a < Shape::numNodes; ++a) {
+      const Matrix3d block = m.template block<3, 3>(3 * a, 3 * b);
+      Matrix3d k = c * block + moduli.shear * block.transpose();
+      k.diagonal().array() += moduli.shear * block.trace();
+      stiffness.template block<3, 3>(3 * a, 3 * b) = k;
+    }
+  if (!bbar) return;
+  const ElementVector<Shape> q =
+      gradients.at * gradients.volumes * std::sqrt(moduli.bulk / gradients.volumes.sum());
+  stiffness += q.lazyProduct(q.transpose());
+}
+
+template <class Shape>
+ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
+                                  Formulation formulation, const ElementVector<Shape>& displacement) {
+  const bool bbar = formulation == Formulation::BBar;
+  const double c = bbar ? -2.0 / 3.0 * moduli.shear : moduli.lambda;
+  const auto u = asColumns<Shape>(displacement.data());
+  NodeColumns<Shape> force = NodeColumns<Shape>::Zero();
+  double dilatation = 0.0;  // integral of div u
+  for (int p = 0; p < Shape::numPoints; ++p) {
+    const auto gradient = asColumns<Shape>(gradients.at.col(p).data());
+    const Matrix3d h = u * gradient.transpose();
+    const Matrix3d weightedStress = gradients.volumes(p) * stressOf(h, moduli.shear, c);
+    force += weightedStress * gradient;
+    dilatation += gradients.volumes(p) * h.trace();
+  }
+  ElementVector<Shape> result = Eigen::Map<const ElementVector<Shape>>(force.data());
+  if (bbar) {
+    const double pressure = moduli.bulk * dilatation / gradients.volumes.sum();
+    result += pressure * (gradients.at * gradients.volumes);
+  }
+  return result;
+}
+
+std::vector<Stress> elementStresses(const Coordinates& coordinates, const ElementGroup& group,
+                                    const IsotropicMaterial& material,
+                                    const Eigen::Ref<const Eigen::VectorXd>& displacement) {
+  TEUCHOS_ASSERT(displacement.size() == 3 * Eigen::Index(coordinates.size()));
+  const auto moduli = elasticModuli(material);
+  std::vector<Stress> stresses;
+  stresses.reserve(std::size_t(group.numElements()));
+  if (group.topology == Topology::Hex8)
+    groupStresses<Hex8Shape>(coordinates, group, moduli, displacement, stresses);
+  else
+    groupStresses<Tet4Shape>(coordinates, group, moduli, displacement, stresses);
+  return stresses;
+}
+
+double vonMises(const Stress& s) {
+  const double xy = s[0] - s[1], yz = s[1] - s[2], zx = s[2] - s[0];
+  return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
+}
+
+template ElementGradients<Hex8Shape> elementGradients(const Coordinates&, const ElementGroup&, int);
+template ElementGradients<Tet4Shape> elementGradients(const Coordinates&, const ElementGroup&, int);
+template void elementStiffness(const ElementGradients<Hex8Shape>&, const ElasticModuli&, Formulation,
+                               ElementMatrix<Hex8Shape>&);
+template void elementStiffness(const ElementGradients<Tet4Shape>&, const ElasticModuli&, Formulation,
+                               ElementMatrix<Tet4Shape>&);
+template ElementVector<Hex8Shape> elementForce(const ElementGradients<Hex8Shape>&, const ElasticModuli&,
+                                               Formulation, const ElementVector<Hex8Shape>&);
+template ElementVector<Tet4Shape> elementForce(const ElementGradients<Tet4Shape>&, const ElasticModuli&,
+                                               Formulation, const ElementVector<Tet4Shape>&);
+
+}  // namespace Haptos

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <array>
+#include <string>
+#include <vector>
+
+#include "Haptos_ElementGroup.hpp"
+
+namespace Haptos {
+
+/// \brief Isotropic linear elasticity; Young's modulus in force per area, Poisson's ratio [-].
+struct IsotropicMaterial {
+  std::string name;
+  double youngsModulus = 0.0;
+  double poissonsRatio = 0.0;
+};
+
+/// \brief sigma = 2 shear dev(eps) + bulk tr(eps) I = 2 shear eps + lambda tr(eps) I; all in force per area.
+struct ElasticModuli {
+  double lambda;
+  double shear;
+  double bulk;
+};
+
+/// \throws InputError unless E > 0 and -1 < nu < 1/2, both finite.
+ElasticModuli elasticModuli(const IsotropicMaterial& material);
+
+/// \brief Standard: eps = sym grad u.  BBar: its trace is replaced by its mean over the element.
+///
+/// BBar (mean dilatation; T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980) 1413) frees Hex8 from
+/// volumetric locking near nu = 1/2.  On Tet4 the two are the same.
+enum class Formulation { Standard, BBar };
+
+/// \brief Compile-time sizes of an element with its stiffness rule.
+struct Hex8Shape {
+  static constexpr Topology topology = Topology::Hex8;
+  static constexpr int numNodes = 8, numPoints = 8;
+};
+struct Tet4Shape {
+  static constexpr Topology topology = Topology::Tet4;
+  static constexpr int numNodes = 4, numPoints = 1;
+};
+
+/// \brief Entry `3 a + i` belongs to node a (Exodus order) and direction i.
+template <class Shape>
+using ElementVector = Eigen::Matrix<double, 3 * Shape::numNodes, 1>;
+template <class Shape>
+using ElementMatrix = Eigen::Matrix<double, 3 * Shape::numNodes, 3 * Shape::numNodes>;
+
+/// \brief Shape function gradients of one element at its cubature points.
+template <class Shape>
+struct ElementGradients {
+  Eigen::Matrix<double, 3 * Shape::numNodes, Shape::numPoints> at;  ///< column p, row 3 a + i: dN_a/dx_i
+  Eigen::Matrix<double, Shape::numPoints, 1> volumes;               ///< w_p det J_p > 0
+};
+
+/// \brief Gradients of one element of `group`, whose topology is that of `Shape`.
+///
+/// Coordinates enter relative to the element's first node, so that translated copies give the same
+/// digits as far as the coordinates themselves do.
+///
+/// \throws InputError naming the element if a coordinate is not finite, or if the element is inverted,
+///   folded or flat (det J <= 1e-12 times the product of the lengths of the columns of J) at a cubature
+///   point.
+template <class Shape>
+ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const ElementGroup& group,
+                                         int element);
+
+/// \brief Element stiffness, exactly symmetric: integral of B^T C B.
+template <class Shape>
+void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
+                      Formulation formulation, ElementMatrix<Shape>& stiffness);
+
+/// \brief Internal force K u by way of strain and stress at every point, without K.
+template <class Shape>
+ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
+                                  Formulation formulation, const ElementVector<Shape>& displacement);
+
+/// \brief Stress components in the order xx, yy, zz, xy, yz, zx.
+using Stress = std::array<double, 6>;
+
+/// \brief Stress of every element of a group [numElements], averaged over its volume.
+///
+/// The average is the same for both formulations; on parallelepipeds it is the stress at the centroid.
+/// \param displacement [3 numNodes of the subdomain], node by node.
+/// \throws InputError as `elementGradients` and `elasticModuli`.
+std::vector<Stress> elementStresses(const Coordinates& coordinates, const ElementGroup& group,
+                                    const IsotropicMaterial& material,
+                                    const Eigen::Ref<const Eigen::VectorXd>& displacement);
+
+/// \brief sqrt(3/2) || dev sigma ||.
+double vonMises(const Stress& stress);
+
+}  // namespace Haptos

@@ -1,0 +1,179 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_StiffnessAssembler.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <algorithm>
+#include <limits>
+
+#include "Haptos_Error.hpp"
+
+namespace Haptos {
+namespace {
+
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+// Lists of indices, one after the other: list i is items[offsets[i]] .. items[offsets[i + 1] - 1].
+struct IndexLists {
+  std::vector<std::int64_t> offsets;
+  std::vector<int> items;
+
+  const int* begin(int list) const { return items.data() + offsets[std::size_t(list)]; }
+  const int* end(int list) const { return items.data() + offsets[std::size_t(list) + 1]; }
+  int size(int list) const { return int(end(list) - begin(list)); }
+};
+
+struct ElementReference {
+  const int* nodes;
+  int numNodes;
+};
+
+std::vector<ElementReference> listElements(const std::vector<ElementGroup>& groups) {
+  std::vector<ElementReference> elements;
+  for (const auto& group : groups)
+    for (int e = 0; e < group.numElements(); ++e)
+      elements.push_back({group.nodes(e), nodesPerElement(group.topology)});
+  return elements;
+}
+
+IndexLists elementsOfNodes(int numNodes, const std::vector<ElementReference>& elements) {
+  IndexLists lists;
+  lists.offsets.assign(std::size_t(numNodes) + 1, 0);
+  for (const auto& element : elements)
+    for (int a = 0; a < element.numNodes; ++a) {
+      TEUCHOS_ASSERT(element.nodes[a] >= 0 && element.nodes[a] < numNodes);
+      ++lists.offsets[std::size_t(element.nodes[a]) + 1];
+    }
+  for (std::size_t i = 0; i < std::size_t(numNodes); ++i) lists.offsets[i + 1] += lists.offsets[i];
+  lists.items.resize(std::size_t(lists.offsets.back()));
+  auto next = lists.offsets;
+  for (std::size_t e = 0; e < elements.size(); ++e)
+    for (int a = 0; a < elements[e].numNodes; ++a)
+      lists.items[std::size_t(next[std::size_t(elements[e].nodes[a])]++)] = int(e);
+  return lists;
+}
+
+// Nodes that share an element with a node (itself included), ascending.
+IndexLists nodeNeighbours(int numNodes, const std::vector<ElementGroup>& groups) {
+  const auto elements = listElements(groups);
+  const auto elementsOf = elementsOfNodes(numNodes, elements);
+  IndexLists lists;
+  lists.offsets.reserve(std::size_t(numNodes) + 1);
+  lists.offsets.push_back(0);
+  std::vector<int> seenBy(std::size_t(numNodes), -1);
+  for (int node = 0; node < numNodes; ++node) {
+    for (const int* e = elementsOf.begin(node); e != elementsOf.end(node); ++e) {
+      const auto& element = elements[std::size_t(*e)];
+      for (int a = 0; a < element.numNodes; ++a) {
+        int& seen = seenBy[std::size_t(element.nodes[a])];
+        if (seen == node) continue;
+        seen = node;
+        lists.items.push_back(element.nodes[a]);
+      }
+    }
+    std::sort(lists.items.begin() + lists.offsets.back(), lists.items.end());
+    lists.offsets.push_back(std::int64_t(lists.items.size()));
+  }
+  return lists;
+}
+
+// K = 0 with the pattern of full 3 x 3 blocks.
+SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
+  const std::int64_t numEntries = 9 * std::int64_t(neighbours.items.size());
+  TEUCHOS_TEST_FOR_EXCEPTION(numEntries > std::numeric_limits<int>::max(), InputError,
+                             "A subdomain of " << numNodes << " nodes has " << numEntries
+                                               << " stiffness entries, more than 32-bit indices can count; "
+                                                  "use more subdomains");
+  SparseMatrix k(3 * numNodes, 3 * numNodes);
+  k.resizeNonZeros(numEntries);
+  std::fill_n(k.valuePtr(), numEntries, 0.0);
+  int* outer = k.outerIndexPtr();
+  int* inner = k.innerIndexPtr();
+  *outer = 0;
+  for (int node = 0; node < numNodes; ++node)
+    for (int j = 0; j < 3; ++j, ++outer) {
+      for (const int* row = neighbours.begin(node); row != neighbours.end(node); ++row)
+        for (int i = 0; i < 3; ++i) *inner++ = 3 * *row + i;
+      outer[1] = outer[0] + 3 * neighbours.size(node);
+    }
+  return k;
+}
+
+template <class Shape>
+void scatter(const ElementMatrix<Shape>& element, const int* nodes, const IndexLists& neighbours,
+             SparseMatrix& k) {
+  for (int b = 0; b < Shape::numNodes; ++b) {
+    const int* first = neighbours.begin(nodes[b]);
+    const int* last = neighbours.end(nodes[b]);
+    double* column = k.valuePtr() + k.outerIndexPtr()[3 * nodes[b]];
+    const std::ptrdiff_t stride = 3 * (last - first);
+    for (int a = 0; a < Shape::numNodes; ++a) {
+      double* entry = column + 3 * (std::lower_bound(first, last, nodes[a]) - first);
+      for (int j = 0; j < 3; ++j)
+        for (int i = 0; i < 3; ++i) entry[j * stride + i] += element(3 * a + i, 3 * b + j);
+    }
+  }
+}
+
+template <class Shape>
+void addGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
+              Formulation formulation, const IndexLists& neighbours, SparseMatrix& k) {
+  ElementMatrix<Shape> element;
+  for (int e = 0; e < group.numElements(); ++e) {
+    elementStiffness<Shape>(elementGradients<Shape>(coordinates, group, e), moduli, formulation, element);
+    scatter<Shape>(element, group.nodes(e), neighbours, k);
+  }
+}
+
+template <class Shape>
+void applyGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
+                Formulation formulation, const Eigen::Ref<const Eigen::VectorXd>& u,
+                Eigen::Ref<Eigen::VectorXd> Ku) {
+  ElementVector<Shape> local;
+  for (int e = 0; e < group.numElements(); ++e) {
+    const int* nodes = group.nodes(e);
+    for (int a = 0; a < Shape::numNodes; ++a) local.template segment<3>(3 * a) = u.segment<3>(3 * nodes[a]);
+    const auto force =
+        elementForce<Shape>(elementGradients<Shape>(coordinates, group, e), moduli, formulation, local);
+    for (int a = 0; a < Shape::numNodes; ++a) Ku.segment<3>(3 * nodes[a]) += force.template segment<3>(3 * a);
+  }
+}
+
+ElasticModuli moduliOf(const ElementGroup& group, const std::vector<IsotropicMaterial>& materials) {
+  TEUCHOS_ASSERT(group.material >= 0 && std::size_t(group.material) < materials.size());
+  return elasticModuli(materials[std::size_t(group.material)]);
+}
+
+}  // namespace
+
+SparseMatrix assembleStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
+                               const std::vector<IsotropicMaterial>& materials, Formulation formulation) {
+  TEUCHOS_ASSERT(coordinates.size() < std::size_t(std::numeric_limits<int>::max() / 3));
+  const auto numNodes = int(coordinates.size());
+  const auto neighbours = nodeNeighbours(numNodes, groups);
+  auto k = blockPattern(numNodes, neighbours);
+  for (const auto& group : groups) {
+    const auto moduli = moduliOf(group, materials);
+    if (group.topology == Topology::Hex8)
+      addGroup<Hex8Shape>(coordinates, group, moduli, formulation, neighbours, k);
+    else
+      addGroup<Tet4Shape>(coordinates, group, moduli, formulation, neighbours, k);
+  }
+  return k;
+}
+
+void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
+                    const std::vector<IsotropicMaterial>& materials, Formulation formulation,
+                    const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) {
+  const auto n = 3 * Eigen::Index(coordinates.size());
+  TEUCHOS_ASSERT(u.size() == n && Ku.size() == n);
+  Ku.setZero();
+  for (const auto& group : groups) {
+    const auto moduli = moduliOf(group, materials);
+    if (group.topology == Topology::Hex8)
+      applyGroup<Hex8Shape>(coordinates, group, moduli, formulation, u, Ku);
+    else
+      applyGroup<Tet4Shape>(coordinates, group, moduli, formulation, u, Ku);
+  }
+}
+
+}  // namespace Haptos

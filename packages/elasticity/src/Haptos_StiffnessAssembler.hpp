@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/SparseCore>
+#include <vector>
+
+#include "Haptos_LinearElasticity.hpp"
+
+namespace Haptos {
+
+/// \brief Stiffness matrix K of one subdomain, [3 numNodes x 3 numNodes], degree of freedom `3 node +
+/// direction`.
+///
+/// Both triangles are stored, compressed by columns with ascending rows; K equals its transpose to the
+/// last digit.  A node without elements leaves empty columns.  The order of summation is that of the
+/// groups and of their elements, so congruent subdomains numbered alike get the same matrix.
+///
+/// \throws InputError for a bad element or material (see `elementGradients`, `elasticModuli`), or if K has
+///   more entries than 32-bit indices can count.
+Eigen::SparseMatrix<double> assembleStiffness(const Coordinates& coordinates,
+                                              const std::vector<ElementGroup>& groups,
+                                              const std::vector<IsotropicMaterial>& materials,
+                                              Formulation formulation);
+
+/// \brief Ku := K u without K, by the stress in every element; an independent check of the above.
+///
+/// \param u, Ku [3 numNodes]; they must not overlap.
+/// \throws InputError as `assembleStiffness`.
+void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
+                    const std::vector<IsotropicMaterial>& materials, Formulation formulation,
+                    const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku);
+
+}  // namespace Haptos

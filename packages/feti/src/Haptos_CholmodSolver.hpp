@@ -1,0 +1,198 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cholmod.h>
+
+#include <Amesos2_SolverCore_decl.hpp>
+#include <Amesos2_SolverCore_def.hpp>  // Trilinos instantiates the base class for its own solvers only
+#include <Amesos2_SolverTraits.hpp>
+#include <Kokkos_Core.hpp>
+#include <Teuchos_ParameterList.hpp>
+#include <algorithm>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief CHOLMOD as an Amesos2 solver: A = P^T L L^T P for symmetric positive definite A.
+///
+/// For Tpetra matrices of double on a communicator of one process, stored in full (both triangles; the lower
+/// one is read).  The phases are those of Amesos2: `symbolicFactorization` orders (AMD, and METIS where CHOLMOD
+/// has it and AMD fills in much) and analyses, `numericFactorization` computes L, supernodal where that pays.
+/// `solve` takes any number of right-hand sides.  One object must not solve in two threads at once.
+///
+/// Source: Chen, Davis, Hager, Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22.
+template <class Matrix, class Vector>
+class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> {
+  friend class Amesos2::SolverCore<Haptos::CholmodSolver, Matrix, Vector>;
+  using Base = Amesos2::SolverCore<Haptos::CholmodSolver, Matrix, Vector>;
+  using Adapter = Amesos2::MultiVecAdapter<Vector>;
+
+ public:
+  inline static const char* name = "CHOLMOD";  // Amesos2's base class asks for this member
+
+  CholmodSolver(Teuchos::RCP<const Matrix> A, Teuchos::RCP<Vector> X, Teuchos::RCP<const Vector> B);
+  ~CholmodSolver();
+  CholmodSolver(const CholmodSolver&) = delete;
+  CholmodSolver& operator=(const CholmodSolver&) = delete;
+
+ private:
+  int preOrdering_impl() { return 0; }  // CHOLMOD orders and analyses in one go
+  int symbolicFactorization_impl();
+  int numericFactorization_impl();
+  int solve_impl(const Teuchos::Ptr<Adapter> X, const Teuchos::Ptr<const Adapter> B) const;
+  bool matrixShapeOK_impl() const;
+  void setParameters_impl(const Teuchos::RCP<Teuchos::ParameterList>&) {}
+  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters_impl() const { return Teuchos::parameterList(); }
+  bool loadA_impl(Amesos2::EPhase phase);
+
+  cholmod_sparse sparseView() const;
+  int failedColumn() const;
+  std::size_t countEntries() const;
+  void freeWorkspaces() const;
+
+  mutable cholmod_common common_;
+  cholmod_factor* factor_ = nullptr;
+  mutable cholmod_dense* solution_ = nullptr;    // kept between solves of one column, as are the two workspaces
+  mutable cholmod_dense* workspaceY_ = nullptr;
+  mutable cholmod_dense* workspaceE_ = nullptr;
+
+  // A by rows, which by symmetry is A by columns; indices and values are views of the matrix itself.
+  std::vector<int> starts_;
+  Kokkos::View<int*, Kokkos::HostSpace> indices_;
+  Kokkos::View<double*, Kokkos::HostSpace> values_;
+};
+
+template <class Matrix, class Vector>
+CholmodSolver<Matrix, Vector>::CholmodSolver(Teuchos::RCP<const Matrix> A, Teuchos::RCP<Vector> X,
+                                             Teuchos::RCP<const Vector> B)
+    : Base(A, X, B) {
+  cholmod_start(&common_);
+  common_.print = 0;          // failures are reported by exceptions
+  common_.final_ll = 1;       // L L^T also when simplicial: L D L^T would accept an indefinite matrix
+  common_.quick_return_if_not_posdef = 1;
+}
+
+template <class Matrix, class Vector>
+CholmodSolver<Matrix, Vector>::~CholmodSolver() {
+  freeWorkspaces();
+  cholmod_free_factor(&factor_, &common_);
+  cholmod_finish(&common_);
+}
+
+template <class Matrix, class Vector>
+void CholmodSolver<Matrix, Vector>::freeWorkspaces() const {
+  cholmod_free_dense(&workspaceE_, &common_);
+  cholmod_free_dense(&workspaceY_, &common_);
+  cholmod_free_dense(&solution_, &common_);
+}
+
+template <class Matrix, class Vector>
+bool CholmodSolver<Matrix, Vector>::matrixShapeOK_impl() const {
+  return this->matrixA_->getGlobalNumRows() == this->matrixA_->getGlobalNumCols() &&
+         this->matrixA_->getComm()->getSize() == 1;
+}
+
+template <class Matrix, class Vector>
+bool CholmodSolver<Matrix, Vector>::loadA_impl(Amesos2::EPhase phase) {
+  if (phase == Amesos2::SOLVE) return false;
+  Kokkos::View<int*, Kokkos::HostSpace> starts;
+  this->matrixA_->returnRowPtr_kokkos_view(starts);
+  this->matrixA_->returnColInd_kokkos_view(indices_);
+  this->matrixA_->returnValues_kokkos_view(values_);
+  starts_.assign(starts.data(), starts.data() + starts.extent(0));
+  return true;
+}
+
+template <class Matrix, class Vector>
+cholmod_sparse CholmodSolver<Matrix, Vector>::sparseView() const {
+  cholmod_sparse a{};
+  a.nrow = a.ncol = this->globalNumRows_;
+  a.nzmax = indices_.extent(0);
+  a.p = const_cast<int*>(starts_.data());
+  a.i = indices_.data();
+  a.x = values_.data();
+  a.stype = -1;  // symmetric, only the lower triangle is read
+  a.itype = CHOLMOD_INT;
+  a.xtype = CHOLMOD_REAL;
+  a.dtype = CHOLMOD_DOUBLE;
+  a.sorted = 0;
+  a.packed = 1;
+  return a;
+}
+
+template <class Matrix, class Vector>
+int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
+  cholmod_free_factor(&factor_, &common_);
+  auto a = sparseView();
+  factor_ = cholmod_analyze(&a, &common_);
+  TEUCHOS_TEST_FOR_EXCEPTION(factor_ == nullptr, std::runtime_error,
+                             "CHOLMOD: the symbolic factorisation of " << a.nrow << " unknowns failed with status "
+                                                                       << common_.status << " (-2: out of memory)");
+  return 0;
+}
+
+template <class Matrix, class Vector>
+int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
+  auto a = sparseView();
+  const bool ran = cholmod_factorize(&a, factor_, &common_);
+  TEUCHOS_TEST_FOR_EXCEPTION(common_.status == CHOLMOD_NOT_POSDEF || (ran && factor_->minor < factor_->n),
+                             std::runtime_error,
+                             "CHOLMOD: the matrix of " << a.nrow << " unknowns is not positive definite: pivot of column "
+                                                       << failedColumn());
+  TEUCHOS_TEST_FOR_EXCEPTION(!ran, std::runtime_error,
+                             "CHOLMOD: the factorisation of " << a.nrow << " unknowns failed with status "
+                                                              << common_.status << " (-2: out of memory)");
+  this->setNnzLU(countEntries());
+  return 0;
+}
+
+template <class Matrix, class Vector>
+int CholmodSolver<Matrix, Vector>::failedColumn() const {
+  if (factor_->minor >= factor_->n || factor_->Perm == nullptr) return -1;
+  return static_cast<const int*>(factor_->Perm)[factor_->minor];  // in the numbering of A
+}
+
+template <class Matrix, class Vector>
+std::size_t CholmodSolver<Matrix, Vector>::countEntries() const {
+  if (factor_->is_super) return factor_->xsize;  // as stored: full trapezoids
+  const int* counts = static_cast<const int*>(factor_->nz);
+  std::size_t entries = 0;
+  for (std::size_t j = 0; j < factor_->n; ++j) entries += counts[j];
+  return entries;
+}
+
+template <class Matrix, class Vector>
+int CholmodSolver<Matrix, Vector>::solve_impl(const Teuchos::Ptr<Adapter> X,
+                                              const Teuchos::Ptr<const Adapter> B) const {
+  const std::size_t n = this->globalNumRows_, columns = B->getGlobalNumVectors();
+  TEUCHOS_ASSERT(B->isConstantStride() && X->isConstantStride() && X->getGlobalNumVectors() == columns);
+  const auto firstB = B->getVector(0);
+  const auto firstX = X->getVectorNonConst(0);
+
+  cholmod_dense b{};
+  b.nrow = n;
+  b.ncol = columns;
+  b.d = std::max(n, B->getStride());
+  b.nzmax = b.d * columns;
+  b.x = const_cast<double*>(firstB->getLocalViewHost(Tpetra::Access::ReadOnly).data());
+  b.xtype = CHOLMOD_REAL;
+  b.dtype = CHOLMOD_DOUBLE;
+
+  const bool solved = cholmod_solve2(CHOLMOD_A, factor_, &b, nullptr, &solution_, nullptr, &workspaceY_, &workspaceE_,
+                                     &common_);
+  TEUCHOS_TEST_FOR_EXCEPTION(!solved, std::runtime_error,
+                             "CHOLMOD: a solve with " << columns << " columns failed with status " << common_.status);
+  const double* from = static_cast<const double*>(solution_->x);
+  double* to = firstX->getLocalViewHost(Tpetra::Access::OverwriteAll).data();
+  for (std::size_t j = 0; j < columns; ++j)
+    std::copy_n(from + j * solution_->d, n, to + j * X->getStride());
+  if (columns > 1) freeWorkspaces();  // they have the width of the solve
+  return 0;
+}
+
+}  // namespace Haptos
+
+/// CHOLMOD's interface above is for real double precision only.
+template <>
+struct Amesos2::solver_traits<Haptos::CholmodSolver> {
+  using supported_scalars = Amesos2::Meta::make_list1<double>;
+};

@@ -1,0 +1,117 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DualPreconditioner.hpp"
+
+#include <Tpetra_Import.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+
+#include "Haptos_SubdomainSurface.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr int kBlock = 64;
+
+Eigen::VectorXd boundaryDiagonal(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary) {
+  Eigen::VectorXd d(Eigen::Index(boundary.size()));
+  for (std::size_t i = 0; i < boundary.size(); ++i) d[Eigen::Index(i)] = K.coeff(boundary[i], boundary[i]);
+  return d;
+}
+
+}  // namespace
+
+DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems,
+                                       const std::vector<Subdomain>& subdomains, PreconditionerKind kind,
+                                       LocalSolverMethod method)
+    : jump_(std::move(jump)), systems_(std::move(systems)), gram_(jump_->multipliers()) {
+  const auto& offsets = jump_->primalOffsets();
+  weights_.assign(offsets.back(), 0.0);
+  for (const auto& entry : jump_->multipliers().overlapEntries())
+    weights_[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof] = 1.0 / entry.weight;
+  for (const auto& members : systems_->members()) {
+    const LocalSystem& system = (*systems_)[members.front()];
+    boundary_.push_back(surfaceDofs(subdomains[members.front()]));
+    if (kind == PreconditionerKind::Dirichlet)
+      schur_.push_back(std::make_unique<LocalSchur>(system.K, system.R, boundary_.back(), method));
+  }
+}
+
+void DualPreconditioner::applyLocal(MultiVector& t) const {
+  const auto& offsets = jump_->primalOffsets();
+  const auto data = t.getDataNonConst(0);
+  for (std::size_t c = 0; c < boundary_.size(); ++c) {
+    const auto& members = systems_->members()[c];
+    const auto& dofs = boundary_[c];
+    const Eigen::Index nb = Eigen::Index(dofs.size());
+    for (std::size_t first = 0; first < members.size(); first += kBlock) {
+      const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
+      Eigen::MatrixXd X(nb, width), Y(nb, width);
+      for (int j = 0; j < width; ++j)
+        for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = data[offsets[members[first + j]] + dofs[i]];
+      if (!schur_.empty()) {
+        schur_[c]->apply(X, Y);
+      } else {
+        const auto& K = (*systems_)[members.front()].K;
+        Eigen::MatrixXd full = Eigen::MatrixXd::Zero(K.rows(), width);
+        for (Eigen::Index i = 0; i < nb; ++i) full.row(dofs[i]) = X.row(i);
+        const Eigen::MatrixXd product = K * full;
+        for (Eigen::Index i = 0; i < nb; ++i) Y.row(i) = product.row(dofs[i]);
+      }
+      for (int j = 0; j < width; ++j)
+        for (Eigen::Index i = 0; i < nb; ++i) data[offsets[members[first + j]] + dofs[i]] = Y(i, j);
+    }
+  }
+}
+
+void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+    MultiVector z(*x.getVector(v), Teuchos::Copy), t(jump_->getDomainMap(), 1);
+    gram_.apply(z, z);
+    jump_->apply(z, t, Teuchos::TRANS);
+    const auto scale = [&] {
+      const auto data = t.getDataNonConst(0);
+      for (std::size_t i = 0; i < weights_.size(); ++i) data[i] *= weights_[i];
+    };
+    scale();
+    applyLocal(t);
+    scale();
+    jump_->apply(t, z);
+    gram_.apply(z, z);
+    y.getVectorNonConst(v)->update(alpha, z, beta);
+    ++applications_;
+  }
+}
+
+RCP<Vector> DualPreconditioner::diagonal() const {
+  constexpr double kSchurOfStiffness = 0.5;  // diag(S) / diag(K_bb), typical of surface nodes
+  const auto& offsets = jump_->primalOffsets();
+  std::vector<double> diagS(offsets.back(), 0.0);
+  for (std::size_t c = 0; c < boundary_.size(); ++c) {
+    const auto& members = systems_->members()[c];
+    const auto& K = (*systems_)[members.front()].K;
+    Eigen::VectorXd d = boundaryDiagonal(K, boundary_[c]);
+    if (!schur_.empty()) d = d.size() <= 600 ? schur_[c]->diagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
+    for (int member : members)
+      for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary_[c][i]] = d[i];
+  }
+  // sum over the copies of (B W)^2 diag S, then the rows' own (B W B^T)^-1
+  const auto& multipliers = jump_->multipliers();
+  Vector overlap(multipliers.overlapMap());
+  {
+    const auto data = overlap.getDataNonConst(0);
+    for (const auto& entry : multipliers.overlapEntries()) {
+      const double bw = entry.value / entry.weight;
+      data[entry.row] += bw * bw * diagS[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof];
+    }
+  }
+  auto result = Teuchos::rcp(new Vector(multipliers.map()));
+  result->doExport(overlap, multipliers.importer(), Tpetra::ADD);
+  const auto data = result->getDataNonConst(0);
+  for (Eigen::Index row = 0; row < gram_.inverse().rows(); ++row) {
+    const double g = gram_.inverse().coeff(row, row);
+    data[row] *= g * g;
+  }
+  return result;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Tpetra_Operator.hpp>
+#include <memory>
+#include <vector>
+
+#include "Haptos_JumpOperator.hpp"
+#include "Haptos_LocalSchur.hpp"
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_RowGram.hpp"
+
+namespace Haptos {
+
+enum class PreconditionerKind { Dirichlet, Lumped };
+
+/// \brief M = B_D S B_D^T with B_D = (B W B^T)^+ B W; S the Schur complements (Dirichlet) or K_bb (lumped).
+///
+/// S acts on the nodes on the surface of a subdomain.  Congruent subdomains share one S and are multiplied
+/// together.  apply is Collective: one Import, one Export.
+/// Sources: Farhat and Roux 1991 (lumped), Farhat, Mandel and Roux 1994 (Dirichlet), Rixen and Farhat 1999 (scaling).
+class DualPreconditioner final : public Operator {
+ public:
+  DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, const std::vector<Subdomain>& subdomains,
+                     PreconditionerKind kind, LocalSolverMethod method);
+
+  RCP<const Map> getDomainMap() const override { return jump_->getRangeMap(); }
+  RCP<const Map> getRangeMap() const override { return jump_->getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
+             double beta = 0.0) const override;
+
+  /// \brief Diagonal of M up to the coupling of different rows at one node: sum of B_D^2 diag(S) [force/length].
+  ///
+  /// diag(S) is exact on small subdomains and estimated from K_bb on large ones.  Collective.
+  RCP<Vector> diagonal() const;
+
+  long applications() const { return applications_; }
+
+ private:
+  void applyLocal(MultiVector& t) const;
+
+  RCP<const JumpOperator> jump_;
+  RCP<const LocalSystems> systems_;
+  RowGram gram_;
+  std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
+  std::vector<std::vector<int>> boundary_;     // [classes] boundary dofs
+  std::vector<std::unique_ptr<LocalSchur>> schur_;  // [classes], Dirichlet only
+  mutable long applications_ = 0;
+};
+
+}  // namespace Haptos

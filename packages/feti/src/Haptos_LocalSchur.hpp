@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/SparseCore>
+#include <memory>
+#include <vector>
+
+#include "Haptos_LocalSolverFactor.hpp"
+
+namespace Haptos {
+
+/// \brief Schur complement of one subdomain's stiffness on its boundary unknowns b, with interior i the rest.
+///
+///   S = K_bb - K_bi K_ii^+ K_ib
+///
+/// symmetric positive semidefinite, nb x nb, in the order of the list given.  A boundary that does not hold the
+/// interior (a kernel vector of K that vanishes on b) leaves K_ii singular; S exists all the same, and K_ii is
+/// then regularised as a floating subdomain is.  Nothing communicates.
+///
+/// Use: the Dirichlet preconditioner of FETI, Farhat, Mandel, Roux, Comput. Methods Appl. Mech. Engng. 115 (1994) 365.
+class LocalSchur {
+ public:
+  /// \param K        n x n, symmetric positive semidefinite, both triangles stored.
+  /// \param kernel   n x k, orthonormal columns spanning the kernel of K.
+  /// \param boundary local unknowns 0..n-1, without repetition, in any order; all or none may be listed.
+  /// \throws InputError if CHOLMOD is asked for and not built in.
+  /// \throws std::runtime_error if K_ii does not factor.
+  LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
+             LocalSolverMethod method = LocalSolverMethod::Automatic);
+  ~LocalSchur();
+  LocalSchur(LocalSchur&&) noexcept;
+
+  Eigen::Index size() const;  ///< nb
+
+  /// Y := S X, both nb x m, by one solve with K_ii.  X and Y must not overlap.
+  void apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+
+  /// S itself, nb x nb, exactly symmetric; costs nb solves with K_ii, done in blocks.
+  Eigen::MatrixXd dense() const;
+
+  /// \brief Diagonal of S: exact, by nb solves, if nb <= `exactUpTo`; else that of K_bb, an upper bound of it.
+  Eigen::VectorXd diagonal(Eigen::Index exactUpTo = 600) const;
+
+  Eigen::Index interiorKernelSize() const;  ///< dimension of the kernel of K_ii; 0 unless b does not hold i
+
+ private:
+  void subtractInterior(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+
+  Eigen::SparseMatrix<double> Kbb_, Kib_;
+  Eigen::Index interiorKernelSize_ = 0;
+  std::unique_ptr<LocalSolverFactor> interior_;  // null without interior unknowns
+};
+
+}  // namespace Haptos

@@ -1,0 +1,130 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_LocalSolverFactor.hpp"
+
+#include <Amesos2.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_MultiVector.hpp>
+#include <algorithm>
+#include <mutex>
+#include <vector>
+
+#include "Haptos_Error.hpp"
+
+// Newer Trilinos may bring its own CHOLMOD adapter; ours is for those that do not.
+#if defined(HAPTOS_HAVE_CHOLMOD) && !defined(HAVE_AMESOS2_CHOLMOD)
+#define HAPTOS_OWN_CHOLMOD
+#include "Haptos_CholmodSolver.hpp"
+#endif
+
+namespace Haptos {
+
+using AmesosSolver = Amesos2::Solver<CrsMatrix, MultiVector>;
+
+bool hasCholmod() {
+#if defined(HAPTOS_HAVE_CHOLMOD) || defined(HAVE_AMESOS2_CHOLMOD)
+  return true;
+#else
+  return false;
+#endif
+}
+
+namespace {
+
+RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
+  if (!cholmod) return Amesos2::create<CrsMatrix, MultiVector>("KLU2", A);
+#if defined(HAPTOS_OWN_CHOLMOD)
+  return Teuchos::rcp(new CholmodSolver<CrsMatrix, MultiVector>(A, Teuchos::null, Teuchos::null));
+#elif defined(HAVE_AMESOS2_CHOLMOD)
+  return Amesos2::create<CrsMatrix, MultiVector>("CHOLMOD", A);
+#else
+  throw InputError("Local Solver: CHOLMOD is not in this build; use KLU2 or Automatic, or build with SuiteSparse.");
+#endif
+}
+
+/// A copy of `A`; Tpetra 13.2 and later insist on owning their memory.
+RCP<const CrsMatrix> copyMatrix(const Eigen::SparseMatrix<double>& A, const RCP<const Map>& map) {
+  using LocalMatrix = CrsMatrix::local_matrix_device_type;
+  const auto rows = std::size_t(A.rows()), entries = std::size_t(A.nonZeros());
+  LocalMatrix::row_map_type::non_const_type starts("row starts", rows + 1);
+  LocalMatrix::index_type::non_const_type indices("column indices", entries);
+  LocalMatrix::values_type::non_const_type values("values", entries);
+  std::copy_n(A.outerIndexPtr(), rows + 1, starts.data());  // by symmetry, columns are rows
+  std::copy_n(A.innerIndexPtr(), entries, indices.data());
+  std::copy_n(A.valuePtr(), entries, values.data());
+  auto copy = Teuchos::rcp(new CrsMatrix(map, map, starts, indices, values));
+  copy->expertStaticFillComplete(map, map);
+  return copy;
+}
+
+/// A right-hand side and its solution where Amesos2 can see them.
+struct Columns {
+  Columns(const RCP<const Map>& map, Eigen::Index m) : b(map, m, false), x(map, m, false) {}
+  MultiVector b, x;
+};
+
+Eigen::Map<Eigen::MatrixXd> eigenView(double* data, const MultiVector& v) {
+  return {data, Eigen::Index(v.getLocalLength()), Eigen::Index(v.getNumVectors())};
+}
+
+}  // namespace
+
+struct LocalSolverFactor::Impl {
+  RCP<const Map> map;
+  RCP<const CrsMatrix> A;
+  std::vector<int> starts;  // A's row starts as Eigen wants them
+  RCP<AmesosSolver> solver;
+  bool cholmod = false;
+  std::unique_ptr<Columns> single;  // kept, as most solves have one column
+  std::mutex busy;                  // `single` and the solver's workspaces serve one thread at a time
+
+  void solve(Columns& columns, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
+    eigenView(columns.b.getLocalViewHost(Tpetra::Access::OverwriteAll).data(), columns.b) = B;
+    solver->solve(&columns.x, &columns.b);
+    X = eigenView(const_cast<double*>(columns.x.getLocalViewHost(Tpetra::Access::ReadOnly).data()), columns.x);
+  }
+};
+
+LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method)
+    : impl_(std::make_unique<Impl>()) {
+  TEUCHOS_ASSERT(A.rows() == A.cols() && A.rows() > 0);
+  A.makeCompressed();
+  const auto self = Teuchos::rcp(new Teuchos::SerialComm<int>());
+  impl_->map = Teuchos::rcp(new Map(Tpetra::global_size_t(A.rows()), 0, self));
+  impl_->A = copyMatrix(A, impl_->map);
+  impl_->starts.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
+  impl_->cholmod = method == LocalSolverMethod::Cholmod || (method == LocalSolverMethod::Automatic && hasCholmod());
+  impl_->solver = createSolver(impl_->A, impl_->cholmod);
+  impl_->solver->symbolicFactorization().numericFactorization();
+  impl_->single = std::make_unique<Columns>(impl_->map, 1);
+}
+
+LocalSolverFactor::~LocalSolverFactor() = default;
+LocalSolverFactor::LocalSolverFactor(LocalSolverFactor&&) noexcept = default;
+
+void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
+  TEUCHOS_ASSERT(B.rows() == rows() && X.rows() == B.rows() && X.cols() == B.cols());
+  if (B.cols() == 0) return;
+  const std::lock_guard<std::mutex> lock(impl_->busy);
+  if (B.cols() == 1) return impl_->solve(*impl_->single, B, X);
+  Columns wide(impl_->map, B.cols());
+  impl_->solve(wide, B, X);
+}
+
+Eigen::Index LocalSolverFactor::rows() const { return Eigen::Index(impl_->starts.size()) - 1; }
+
+LocalSolverFactor::MatrixView LocalSolverFactor::matrix() const {
+  const auto local = impl_->A->getLocalMatrixHost();
+  return {rows(), rows(), Eigen::Index(local.nnz()), impl_->starts.data(), local.graph.entries.data(), local.values.data()};
+}
+
+const char* LocalSolverFactor::methodName() const { return impl_->cholmod ? "CHOLMOD" : "KLU2"; }
+
+std::size_t LocalSolverFactor::factorEntries() const { return impl_->solver->getStatus().getNnzLU(); }
+
+LocalSolverFactor::Counts LocalSolverFactor::counts() const {
+  const auto& status = impl_->solver->getStatus();
+  return {status.getNumSymbolicFact(), status.getNumNumericFact(), status.getNumSolve()};
+}
+
+}  // namespace Haptos

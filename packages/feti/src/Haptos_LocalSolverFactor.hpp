@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/SparseCore>
+#include <cstddef>
+#include <memory>
+
+namespace Haptos {
+
+/// Which direct solver factors a subdomain.  `Automatic`: CHOLMOD where it was built in, else KLU2.
+enum class LocalSolverMethod { Automatic, Cholmod, Klu2 };
+
+/// Whether this build can factor by CHOLMOD.
+bool hasCholmod();
+
+/// \brief Factor of one symmetric positive definite sparse matrix A [n x n] on this process, by Amesos2.
+///
+/// Keeps A (both triangles stored).  Amesos2 and Tpetra stay behind this class.  No function communicates.
+class LocalSolverFactor {
+ public:
+  /// Numbers of phases run, as Amesos2 counts them.
+  struct Counts {
+    int symbolic, numeric, solves;
+  };
+
+  using MatrixView = Eigen::Map<const Eigen::SparseMatrix<double>>;
+
+  /// \throws InputError if CHOLMOD is asked for and not built in.
+  /// \throws std::runtime_error if A is not positive definite; CHOLMOD names the column.
+  LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method);
+  ~LocalSolverFactor();
+  LocalSolverFactor(LocalSolverFactor&&) noexcept;
+
+  /// X := A^-1 B, both n x m, in one call to the solver.  B and X must not overlap.  May be called from
+  /// several threads; they then wait for each other.
+  void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
+
+  Eigen::Index rows() const;          ///< n
+  MatrixView matrix() const;          ///< A, valid as long as this object
+  const char* methodName() const;     ///< "CHOLMOD" or "KLU2"
+  std::size_t factorEntries() const;  ///< stored entries: of L for CHOLMOD, of L and U for KLU2
+  Counts counts() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace Haptos

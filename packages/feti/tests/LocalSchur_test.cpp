@@ -1,0 +1,113 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_LocalSchur.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+
+#include "TestSubdomain.hpp"
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+namespace {
+
+/// S by dense algebra, with the Moore-Penrose inverse of K_ii.
+Dense denseSchur(const Sparse& K, const std::vector<int>& boundary) {
+  std::vector<int> order = boundary;
+  for (int i = 0; i < K.rows(); ++i)
+    if (std::find(boundary.begin(), boundary.end(), i) == boundary.end()) order.push_back(i);
+  Dense sorted(K.rows(), K.rows());
+  for (Eigen::Index i = 0; i < K.rows(); ++i)
+    for (Eigen::Index j = 0; j < K.rows(); ++j) sorted(i, j) = K.coeff(order[i], order[j]);
+  const Eigen::Index nb = Eigen::Index(boundary.size()), ni = K.rows() - nb;
+  const Eigen::SelfAdjointEigenSolver<Dense> eigen(sorted.bottomRightCorner(ni, ni));
+  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const double zero = 1e-11 * inverse.maxCoeff();
+  for (double& v : inverse) v = v > zero ? 1.0 / v : 0.0;
+  const Dense pinv = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return sorted.topLeftCorner(nb, nb) - sorted.topRightCorner(nb, ni) * pinv * sorted.bottomLeftCorner(ni, nb);
+}
+
+/// Unknowns of the part's nodes that other parts have too.
+std::vector<int> interfaceUnknowns(const TestMesh& mesh, const std::vector<std::vector<int>>& parts, int mine) {
+  std::map<int, std::set<int>> partsOf;
+  for (int p = 0; p < int(parts.size()); ++p)
+    for (const int e : parts[p])
+      for (const int node : mesh.elements[e]) partsOf[node].insert(p);
+  std::vector<int> unknowns;
+  int local = 0;
+  for (const auto& [node, owners] : partsOf) {
+    if (owners.count(mine) == 0) continue;
+    if (owners.size() > 1) unknowns.insert(unknowns.end(), {3 * local + 2, 3 * local, 3 * local + 1});
+    ++local;
+  }
+  return unknowns;
+}
+
+double difference(const Dense& a, const Dense& b) { return (a - b).norm() / b.norm(); }
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(LocalSchur, MatchesDenseAlgebraOnJaggedParts) {
+  const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
+  const auto parts = cutByMetis(mesh, 4);
+  for (const auto method : {LocalSolverMethod::Automatic, LocalSolverMethod::Klu2})
+    for (int p = 0; p < 4; ++p) {
+      const auto s = makeSubdomain(mesh, parts[p], 2e5, 0.3);
+      const auto boundary = interfaceUnknowns(mesh, parts, p);
+      TEST_ASSERT(boundary.size() > 60 && Eigen::Index(boundary.size()) < s.K.rows() - 60);
+      const LocalSchur schur(s.K, s.kernel, boundary, method);
+      TEST_EQUALITY(schur.interiorKernelSize(), 0);
+      const Dense reference = denseSchur(s.K, boundary), S = schur.dense();
+      TEST_COMPARE(difference(S, reference), <=, 1e-12);
+      TEST_EQUALITY((S - S.transpose()).norm(), 0.0);
+
+      const Dense X = Dense::Random(schur.size(), 70);
+      Dense Y(schur.size(), 70);
+      schur.apply(X, Y);
+      TEST_COMPARE(difference(Y, reference * X), <=, 1e-12);
+      Dense R(boundary.size(), 6);
+      for (std::size_t i = 0; i < boundary.size(); ++i) R.row(i) = s.kernel.row(boundary[i]);
+      TEST_COMPARE((S * R).norm(), <=, 1e-12 * S.norm());  // S inherits the rigid motions
+    }
+}
+
+TEUCHOS_UNIT_TEST(LocalSchur, DiagonalIsExactOrAnUpperBound) {
+  const auto mesh = boxMesh({4, 4, 4}, {1, 1, 1}, 0.1);
+  const auto parts = cutByMetis(mesh, 2);
+  const auto s = makeSubdomain(mesh, parts[0], 1.0, 0.3);
+  const auto boundary = interfaceUnknowns(mesh, parts, 0);
+  const LocalSchur schur(s.K, s.kernel, boundary);
+  const Eigen::VectorXd exact = denseSchur(s.K, boundary).diagonal(), bound = schur.diagonal(0);
+  TEST_COMPARE((schur.diagonal() - exact).norm(), <=, 1e-12 * exact.norm());
+  TEST_COMPARE((bound - exact).minCoeff(), >, 0.0);
+  out << "bound / exact up to " << bound.cwiseQuotient(exact).maxCoeff() << "\n";
+}
+
+TEUCHOS_UNIT_TEST(LocalSchur, OneElementHasNoInterior) {
+  const auto mesh = boxMesh({1, 1, 1}, {1, 2, 3}, 0.1);
+  const auto s = makeSubdomain(mesh, {0}, 7.0, 0.3);
+  std::vector<int> all(24);
+  std::iota(all.rbegin(), all.rend(), 0);
+  const LocalSchur schur(s.K, s.kernel, all);
+  const Dense reversed = 0.5 * (Dense(s.K) + Dense(s.K).transpose()).reverse();
+  TEST_EQUALITY((schur.dense() - reversed).norm(), 0.0);
+  const Dense X = Dense::Random(24, 3);
+  Dense Y(24, 3);
+  schur.apply(X, Y);
+  TEST_COMPARE(difference(Y, reversed * X), <=, 1e-14);
+}
+
+/// Boundaries that hold nothing, a point, a hinge, normal components only: K_ii has 6, 3, 1 and 3 free motions.
+TEUCHOS_UNIT_TEST(LocalSchur, BoundaryNeedNotHoldTheInterior) {
+  const auto mesh = boxMesh({3, 3, 3}, {1, 1, 1}, 0.0);
+  const auto s = makeSubdomain(mesh, allElements(mesh), 1e5, 0.3);
+  std::vector<int> hinge, normals;
+  for (int i = 0; i < 4; ++i) hinge.insert(hinge.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+  for (int i = 0; i < 16; ++i) normals.push_back(3 * i + 2);
+  const std::vector<std::pair<std::vector<int>, int>> cases{{{}, 6}, {{0, 1, 2}, 3}, {hinge, 1}, {normals, 3}};
+  for (const auto& [boundary, freeMotions] : cases) {
+    const LocalSchur schur(s.K, s.kernel, boundary);
+    TEST_EQUALITY(schur.interiorKernelSize(), freeMotions);
+    TEST_COMPARE((schur.dense() - denseSchur(s.K, boundary)).norm(), <=, 1e-12 * s.K.norm());
+  }
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactLaw.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "Haptos_EllipseProjection.hpp"
+
+namespace Haptos {
+
+ContactLaw::ContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
+  for (const auto& pair : multipliers.pairs()) {
+    const FrictionSpec& spec = friction[pair.interface];
+    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, spec.coefficients,
+                spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
+    for (int t = 0; t < 2; ++t)
+      if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;
+    pairs_.push_back(law);
+  }
+}
+
+bool ContactLaw::hasCoulomb() const {
+  return std::any_of(pairs_.begin(), pairs_.end(),
+                     [](const PairLaw& pair) { return pair.law == FrictionLaw::Coulomb && pair.frictional(); });
+}
+
+PairProjection PairLaw::project(const std::array<double, 3>& x) const {
+  PairProjection result{};
+  const bool closed = x[0] > 0 && !normalPinned;
+  if (closed) {
+    result.point[0] = x[0];
+    result.dPdx[0][0] = 1;
+  }
+  result.status = closed ? ContactStatus::Slip : ContactStatus::Open;
+  if (!frictional() || (coefficients[0] == 0 && coefficients[1] == 0)) return result;
+  if (law == FrictionLaw::Coulomb && !closed) return result;
+  const auto T = projectOntoEllipse({x[1], x[2]}, coefficients, slipBound(result.point[0]));
+  for (int i = 0; i < 2; ++i) {
+    result.point[1 + i] = T.point[i];
+    for (int j = 0; j < 2; ++j) result.dPdx[1 + i][1 + j] = T.dPdx[i][j];
+    if (law == FrictionLaw::Coulomb) result.dPdx[1 + i][0] = T.dPdg[i];
+  }
+  if (closed && !T.onBoundary) result.status = ContactStatus::Stick;
+  return result;
+}
+
+ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, double openForce) {
+  constexpr double kOnEllipse = 1e-6;
+  if (lambda[0] <= openForce) return ContactStatus::Open;
+  if (!pair.frictional()) return ContactStatus::Slip;
+  const double g = pair.slipBound(lambda[0]);
+  double radius2 = 0;
+  bool stuck = false;
+  for (int t = 0; t < 2; ++t)
+    if (pair.coefficients[t] > 0 && g > 0) {
+      radius2 += std::pow(lambda[1 + t] / (pair.coefficients[t] * g), 2);
+      stuck = true;
+    }
+  return stuck && std::sqrt(radius2) < 1 - kOnEllipse ? ContactStatus::Stick : ContactStatus::Slip;
+}
+
+}  // namespace Haptos

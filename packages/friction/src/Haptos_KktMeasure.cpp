@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_KktMeasure.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "Haptos_EllipseProjection.hpp"
+
+namespace Haptos {
+namespace {
+
+using Triple = std::array<double, 3>;
+
+double ratio(double a, double b) { return a == 0 ? 0 : a / b; }
+
+// || lambda_T - P(lambda_T + step) || at the slip bound of lambda_N
+double distanceToProjection(const PairLaw& pair, const Triple& lambda, double step1, double step2) {
+  bool moved;
+  const double g = pair.slipBound(lambda[0]);
+  const auto P = projectOntoEllipse({lambda[1] + step1, lambda[2] + step2},
+                                    {pair.coefficients[0] * g, pair.coefficients[1] * g}, moved);
+  return std::hypot(lambda[1] - P[0], lambda[2] - P[1]);
+}
+
+// The contact errors of one pair.
+KktErrors measurePair(const PairLaw& pair, const Triple& lambda, const Triple& s, double uRef, double lRef) {
+  KktErrors errors;
+  if (!pair.normalPinned) {
+    errors.penetration = ratio(std::max(0.0, s[0]), uRef);
+    errors.compression = ratio(std::max(0.0, -lambda[0]), lRef);
+    errors.complementarity = std::min(ratio(std::max(0.0, lambda[0]), lRef), ratio(std::max(0.0, -s[0]), uRef));
+  }
+  if (pair.frictional()) {
+    // A component that the rows cannot move (pinned, or coefficient 0) has P = 0 whatever its slip.
+    const double r = uRef > 0 ? lRef / uRef : 0;
+    errors.cone = ratio(distanceToProjection(pair, lambda, 0, 0), lRef);
+    errors.slipLaw = ratio(distanceToProjection(pair, lambda, r * s[1], r * s[2]), lRef);
+  }
+  return errors;
+}
+
+double largestOf(const KktErrors& e) {
+  return std::max({e.penetration, e.compression, e.complementarity, e.cone, e.slipLaw});
+}
+
+template <class Visit>
+void forEachPair(const ContactLaw& law, const Vector& lambda, const Vector& s, Visit&& visit) {
+  const auto l = lambda.getData(0), j = s.getData(0);
+  for (std::size_t i = 0; i < law.pairs().size(); ++i)
+    visit(i, ContactLaw::gather(law.pairs()[i], l.getRawPtr()), ContactLaw::gather(law.pairs()[i], j.getRawPtr()));
+}
+
+}  // namespace
+
+double KktErrors::kkt() const { return std::max({equilibrium, continuity, largestOf(*this)}); }
+
+std::string KktErrors::worst() const {
+  const std::pair<double, const char*> all[] = {{equilibrium, "equilibrium"}, {continuity, "continuity"},
+                                                {penetration, "penetration"}, {compression, "compression"},
+                                                {complementarity, "complementarity"}, {cone, "cone"}, {slipLaw, "slip_law"}};
+  return std::max_element(std::begin(all), std::end(all), [](auto& a, auto& b) { return a.first < b.first; })->second;
+}
+
+double contactForceScale(const ContactLaw& law, const Vector& lambda, double load) {
+  double largest = 0, result = 0;
+  forEachPair(law, lambda, lambda, [&](std::size_t, const Triple& l, const Triple&) {
+    largest = std::max(largest, std::hypot(l[0], l[1], l[2]));
+  });
+  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_MAX, largest, Teuchos::outArg(result));
+  return std::max(result, 1e-3 * load);
+}
+
+KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, const KktScales& scales) {
+  const double lRef = contactForceScale(law, lambda, scales.load);
+  double mine[5] = {0, 0, 0, 0, 0}, all[5];
+  forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
+    const KktErrors e = measurePair(law.pairs()[i], l, jump, scales.uRef, lRef);
+    const double values[5] = {e.penetration, e.compression, e.complementarity, e.cone, e.slipLaw};
+    for (int k = 0; k < 5; ++k) mine[k] = std::max(mine[k], values[k]);
+  });
+  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_MAX, 5, mine, all);
+  KktErrors errors;
+  errors.penetration = all[0];
+  errors.compression = all[1];
+  errors.complementarity = all[2];
+  errors.cone = all[3];
+  errors.slipLaw = all[4];
+  return errors;
+}
+
+WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
+                        const KktScales& scales) {
+  const double lRef = contactForceScale(law, lambda, scales.load);
+  WorstPair mine, result;
+  forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
+    const double error = largestOf(measurePair(law.pairs()[i], l, jump, scales.uRef, lRef));
+    if (error > mine.error) mine = {error, multipliers.pairs()[i].geometry.secondaryNode};
+  });
+  const auto& comm = *lambda.getMap()->getComm();
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.error, Teuchos::outArg(result.error));
+  const long long candidate = mine.error == result.error ? (long long)(mine.node) : -1;
+  long long node = -1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(node));
+  result.node = node;
+  return result;
+}
+
+}  // namespace Haptos

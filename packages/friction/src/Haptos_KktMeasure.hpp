@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief Dimensionless errors of the contact conditions and of equilibrium; 0 where there are no data.
+struct KktErrors {
+  double equilibrium = 0;      ///< || f - K u - B^T lambda ||_2 / ext
+  double continuity = 0;       ///< largest difference of copies, or to a prescribed value, / u_ref
+  double penetration = 0;      ///< max (N u - d)+ / u_ref
+  double compression = 0;      ///< max (-lambda_N)+ / l_ref
+  double complementarity = 0;  ///< max min(lambda_N+ / l_ref, (d - N u)+ / u_ref)
+  double cone = 0;             ///< max || lambda_T - P(lambda_T) || / l_ref
+  double slipLaw = 0;          ///< max || lambda_T - P(lambda_T + (l_ref/u_ref) T u) || / l_ref
+
+  double kkt() const;
+  /// \brief Name of the largest, as in the summary ("slip_law").
+  std::string worst() const;
+};
+
+/// \brief What the errors are measured by.
+struct KktScales {
+  double uRef = 0;   ///< largest nodal displacement [length]
+  double load = 0;   ///< largest nodal load or reaction [force]; l_ref = max(largest contact force, 1e-3 load)
+};
+
+/// \brief l_ref = max(largest nodal contact force, 1e-3 load).  Collective.
+double contactForceScale(const ContactLaw& law, const Vector& lambda, double load);
+
+/// \brief The five contact errors from lambda [force] and s = B u - c [length]; the others stay 0.  Collective.
+KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, const KktScales& scales);
+
+/// \brief The pair with the largest contact error: its error and the mesh node of its secondary side.  Collective.
+struct WorstPair {
+  double error = 0;
+  std::int64_t node = -1;
+};
+WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
+                        const KktScales& scales);
+
+}  // namespace Haptos

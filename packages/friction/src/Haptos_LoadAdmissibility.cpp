@@ -1,0 +1,147 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_LoadAdmissibility.hpp"
+
+#include <Eigen/Dense>
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <cmath>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_FrictionCone.hpp"
+
+namespace Haptos {
+namespace {
+
+using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+Eigen::MatrixXd sumOverRanks(const Communicator& comm, const Eigen::MatrixXd& mine) {
+  Eigen::MatrixXd sum(mine.rows(), mine.cols());
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), sum.data());
+  return sum;
+}
+
+// Basis of the body motions that Dirichlet rows do not feel.
+Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multipliers, const SparseRows& GZ) {
+  constexpr double kFree = 1e-10;
+  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(GZ.cols(), GZ.cols());
+  for (int row = 0; row < GZ.rows(); ++row) {
+    if (multipliers.kinds()[row] != RowKind::Dirichlet) continue;
+    const Eigen::VectorXd r = GZ.row(row).transpose();
+    A.noalias() += r * r.transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sumOverRanks(comm, A));
+  Eigen::Index k = 0;
+  while (k < GZ.cols() && eigen.eigenvalues()[k] <= kFree * std::max(1.0, eigen.eigenvalues().tail<1>()[0])) ++k;
+  return eigen.eigenvectors().leftCols(k);
+}
+
+// Work of the contact forces of every owned pair on the free motions: 3 rows a pair.
+SparseRows pairRows(const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& N) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  const auto add = [&](int target, int row) {
+    if (row < 0) return;
+    const Eigen::VectorXd r = (GZ.row(row) * N).transpose();
+    for (Eigen::Index j = 0; j < r.size(); ++j)
+      if (r[j] != 0.0) triplets.emplace_back(target, int(j), r[j]);
+  };
+  for (std::size_t i = 0; i < law.pairs().size(); ++i) {
+    add(3 * int(i), law.pairs()[i].normal);
+    for (int t = 0; t < 2; ++t) add(3 * int(i) + 1 + t, law.pairs()[i].tangential[t]);
+  }
+  SparseRows H(3 * Eigen::Index(law.pairs().size()), N.cols());
+  H.setFromTriplets(triplets.begin(), triplets.end());
+  return H;
+}
+
+ConeProjection projectPair(const PairLaw& pair, const std::array<double, 3>& x) {
+  if (pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned)
+    return projectOntoFrictionCone(x, pair.coefficients);
+  const PairProjection p = pair.project(x);
+  return {p.point, p.dPdx};
+}
+
+// Phi(a) = H^T P(H a) + eps a - b, the gradient of a strongly convex function; J its derivative.
+struct DualState {
+  Eigen::VectorXd a, phi;
+  Eigen::MatrixXd J;
+};
+
+class RigidBalance {
+ public:
+  RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b)
+      : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)) {
+    const double trace = sumOverRanks(comm, Eigen::MatrixXd::Constant(1, 1, H_.squaredNorm()))(0, 0);
+    eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
+  }
+
+  DualState evaluate(const Eigen::VectorXd& a) const {
+    const Eigen::VectorXd x = H_ * a;
+    Eigen::VectorXd p(x.size());
+    std::vector<Eigen::Triplet<double>> triplets;
+    for (std::size_t i = 0; i < law_.pairs().size(); ++i) {
+      const int at = 3 * int(i);
+      const auto P = projectPair(law_.pairs()[i], {x[at], x[at + 1], x[at + 2]});
+      for (int r = 0; r < 3; ++r) {
+        p[at + r] = P.point[r];
+        for (int c = 0; c < 3; ++c)
+          if (P.dPdx[r][c] != 0.0) triplets.emplace_back(at + r, at + c, P.dPdx[r][c]);
+      }
+    }
+    SparseRows D(x.size(), x.size());
+    D.setFromTriplets(triplets.begin(), triplets.end());
+    Eigen::MatrixXd mine(a.size(), a.size() + 1);
+    mine.leftCols(a.size()) = Eigen::MatrixXd(H_.transpose() * (D * H_));
+    mine.rightCols(1) = H_.transpose() * p;
+    const Eigen::MatrixXd sum = sumOverRanks(comm_, mine);
+    return {a, sum.rightCols(1) + eps_ * a - b_,
+            Eigen::MatrixXd(sum.leftCols(a.size())) + eps_ * Eigen::MatrixXd::Identity(a.size(), a.size())};
+  }
+
+  // Semismooth Newton's method with a line search on |Phi|.
+  DualState solve() const {
+    DualState state = evaluate(Eigen::VectorXd::Zero(b_.size()));
+    double damping = 0;
+    for (int i = 0; i < 200 && state.phi.norm() > 1e-9 * b_.norm(); ++i) {
+      Eigen::MatrixXd J = state.J;
+      J.diagonal().array() += damping;
+      const Eigen::VectorXd step = -J.ldlt().solve(state.phi);
+      double t = 1;
+      DualState next = evaluate(state.a + step);
+      while (t > 1e-6 && next.phi.norm() > (1 - 1e-4 * t) * state.phi.norm()) next = evaluate(state.a + (t *= 0.5) * step);
+      const bool descends = next.phi.norm() < state.phi.norm();
+      damping = descends ? damping / 10 : std::max(10 * damping, 1e3 * eps_);
+      if (descends) state = next;
+    }
+    return state;
+  }
+
+  double imbalance(const DualState& state) const { return (eps_ * state.a - state.phi).norm(); }
+
+ private:
+  const Communicator& comm_;
+  const ContactLaw& law_;
+  SparseRows H_;
+  Eigen::VectorXd b_;
+  double eps_;
+};
+
+}  // namespace
+
+void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipliers, const NaturalCoarseSpace& G,
+                            const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
+  constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
+  const Communicator& comm = *multipliers.map()->getComm();
+  const SparseRows GZ = G.rows() * bodies.Z();
+  const Eigen::MatrixXd N = freeMotions(comm, multipliers, GZ);
+  if (N.cols() == 0) return;
+  const Eigen::VectorXd b = N.transpose() * (bodies.Z().transpose() * e);
+  if (b.norm() <= 1e-9 * loadScale) return;
+  const RigidBalance balance(comm, law, pairRows(law, GZ, N), b);
+  const DualState state = balance.solve();
+  if (balance.imbalance(state) <= kBalanced * b.norm()) return;
+  throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
+                          bodies.describe(N * state.a) +
+                          ". Reduce the load in that direction, raise the friction, or fix the body there.");
+}
+
+}  // namespace Haptos

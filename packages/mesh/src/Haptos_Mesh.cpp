@@ -1,0 +1,104 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Mesh.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <algorithm>
+
+#include "Haptos_Error.hpp"
+
+namespace Haptos {
+namespace {
+
+// Exodus' side tables (manual, section "side sets"), 0-based; a triangle leaves its fourth entry -1.
+constexpr std::array<std::array<int, 4>, 6> hexSides = {
+    {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {0, 4, 7, 3}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
+constexpr std::array<std::array<int, 4>, 4> tetSides = {
+    {{0, 1, 3, -1}, {1, 2, 3, -1}, {0, 3, 2, -1}, {0, 2, 1, -1}}};
+
+template <class Entity>
+int findEntity(const std::vector<Entity>& all, const std::string& nameOrNumber, const char* kind) {
+  if (nameOrNumber.empty()) return -1;
+  const auto bearsName = [&](const Entity& e) { return e.name == nameOrNumber; };
+  const auto found = std::find_if(all.begin(), all.end(), bearsName);
+  if (found == all.end()) {
+    const auto bearsNumber = [&](const Entity& e) { return std::to_string(e.id) == nameOrNumber; };
+    const auto numbered = std::find_if(all.begin(), all.end(), bearsNumber);
+    return numbered == all.end() ? -1 : int(numbered - all.begin());
+  }
+  const auto second = std::find_if(found + 1, all.end(), bearsName);
+  if (second != all.end())
+    throw InputError("The name '" + nameOrNumber + "' is borne by more than one " + kind + " (numbers " +
+                     std::to_string(found->id) + " and " + std::to_string(second->id) +
+                     "); name it by its number instead.");
+  return int(found - all.begin());
+}
+
+template <class Entity>
+std::string listEntities(const std::vector<Entity>& all) {
+  std::string text;
+  for (const auto& e : all) {
+    if (!text.empty()) text += ", ";
+    text += e.name.empty() ? std::to_string(e.id) : e.name + " (" + std::to_string(e.id) + ")";
+  }
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace
+
+const char* topologyName(Topology topology) { return topology == Topology::Hex8 ? "HEX8" : "TETRA4"; }
+int nodesPerElement(Topology topology) { return topology == Topology::Hex8 ? 8 : 4; }
+int sidesPerElement(Topology topology) { return topology == Topology::Hex8 ? 6 : 4; }
+int nodesPerSide(Topology topology) { return topology == Topology::Hex8 ? 4 : 3; }
+
+const std::array<int, 4>& sideNodes(Topology topology, int side) {
+  TEUCHOS_ASSERT(side >= 0 && side < sidesPerElement(topology));
+  return topology == Topology::Hex8 ? hexSides[std::size_t(side)] : tetSides[std::size_t(side)];
+}
+
+std::size_t Mesh::numElements() const {
+  std::size_t count = 0;
+  for (const auto& block : blocks) count += block.numElements();
+  return count;
+}
+
+std::vector<std::int64_t> blockOffsets(const Mesh& mesh) {
+  std::vector<std::int64_t> offsets(1, 0);
+  for (const auto& block : mesh.blocks) offsets.push_back(offsets.back() + std::int64_t(block.numElements()));
+  return offsets;
+}
+
+ElementLocation locateElement(const std::vector<std::int64_t>& offsets, std::int64_t element) {
+  TEUCHOS_ASSERT(element >= 0 && element < offsets.back());
+  // The last offset <= element; of empty blocks, which share an offset, the last one is not empty.
+  const auto next = std::upper_bound(offsets.begin(), offsets.end(), element);
+  const auto block = next - offsets.begin() - 1;
+  return {int(block), element - offsets[std::size_t(block)]};
+}
+
+std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::int64_t>& offsets,
+                                      ElementSide side) {
+  const auto where = locateElement(offsets, side.element);
+  const auto& block = mesh.blocks[std::size_t(where.block)];
+  const auto& positions = sideNodes(block.topology, side.side);
+  const auto first = where.position * nodesPerElement(block.topology);
+  std::vector<std::int64_t> nodes(std::size_t(nodesPerSide(block.topology)));
+  for (std::size_t i = 0; i < nodes.size(); ++i)
+    nodes[i] = block.connectivity[std::size_t(first + positions[i])];
+  return nodes;
+}
+
+int findBlock(const Mesh& mesh, const std::string& nameOrNumber) {
+  return findEntity(mesh.blocks, nameOrNumber, "element block");
+}
+int findSideSet(const Mesh& mesh, const std::string& nameOrNumber) {
+  return findEntity(mesh.sideSets, nameOrNumber, "side set");
+}
+int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber) {
+  return findEntity(mesh.nodeSets, nameOrNumber, "node set");
+}
+
+std::string listBlocks(const Mesh& mesh) { return listEntities(mesh.blocks); }
+std::string listSideSets(const Mesh& mesh) { return listEntities(mesh.sideSets); }
+std::string listNodeSets(const Mesh& mesh) { return listEntities(mesh.nodeSets); }
+
+}  // namespace Haptos

@@ -1,0 +1,172 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_NetcdfFile.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <vector>
+
+#include "Haptos_Error.hpp"
+
+namespace Haptos {
+namespace {
+
+[[noreturn]] void refuse(const std::string& path, const std::string& what) {
+  throw InputError("Mesh file '" + path + "': " + what);
+}
+
+/// \brief Header of a classic netCDF file: how many bytes the file must have at least.
+///
+/// Source: "The NetCDF Classic Format Specification" (Unidata).  Sizes are doubles, because a hostile
+/// header may make their product overflow any integer; they are exact below 2^53.
+class ClassicHeader {
+ public:
+  ClassicHeader(std::istream& in, int version, double fileSize)
+      : in_(in), version_(version), fileSize_(fileSize) {}
+
+  /// \brief Least number of bytes, or -1 if the header itself is cut short or makes no sense.
+  double leastSize() {
+    numRecords_ = count();
+    // A count with all bits set means "not known" (a file still being streamed).
+    if (numRecords_ == (version_ == 5 ? 18446744073709551615.0 : 4294967295.0)) numRecords_ = 0;
+    readDimensions();
+    skipAttributes();
+    readVariables();
+    return in_ && sane_ ? size() : -1.0;
+  }
+
+ private:
+  struct Variable {
+    double bytes;  ///< of one record, or of the whole of a fixed variable
+    double begin;
+    bool perRecord;
+  };
+
+  double integer(int bytes) {
+    std::array<char, 8> raw{};
+    in_.read(raw.data(), bytes);
+    std::uint64_t value = 0;
+    for (int i = 0; i < bytes; ++i) value = (value << 8) | static_cast<unsigned char>(raw[std::size_t(i)]);
+    return in_ ? double(value) : 0.0;
+  }
+  double count() { return integer(version_ == 5 ? 8 : 4); }
+
+  /// Length of a list; one that the file cannot hold would keep us looping.
+  double listLength() {
+    integer(4);  // tag
+    const double length = count();
+    if (length > fileSize_) sane_ = false;
+    return sane_ && in_ ? length : 0.0;
+  }
+  void skipPadded(double bytes) {
+    if (bytes > fileSize_) sane_ = false;
+    if (sane_) in_.ignore(std::streamsize((std::int64_t(bytes) + 3) / 4 * 4));
+  }
+  double bytesOfType() {
+    constexpr std::array<int, 12> sizes = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};  // NC_BYTE is 1
+    const double type = integer(4);
+    if (type < 1 || type > 11) sane_ = false;
+    return sane_ ? sizes[std::size_t(type)] : 0.0;
+  }
+
+  void readDimensions() {
+    const double n = listLength();
+    for (double i = 0; i < n && in_ && sane_; ++i) {
+      skipPadded(count());
+      dimensions_.push_back(count());
+    }
+  }
+  void skipAttributes() {
+    const double n = listLength();
+    for (double i = 0; i < n && in_ && sane_; ++i) {
+      skipPadded(count());
+      const double bytes = bytesOfType();
+      skipPadded(bytes * count());
+    }
+  }
+  void readVariables() {
+    const double n = listLength();
+    for (double i = 0; i < n && in_ && sane_; ++i) readVariable();
+  }
+  void readVariable() {
+    skipPadded(count());
+    Variable v{1.0, 0.0, false};
+    const double rank = count();
+    for (double i = 0; i < rank && in_ && sane_; ++i) {
+      const double id = count();
+      if (id >= double(dimensions_.size())) sane_ = false;
+      if (!sane_) return;
+      const double length = dimensions_[std::size_t(id)];
+      if (i == 0 && length == 0)
+        v.perRecord = true;  // length 0 marks the record dimension
+      else
+        v.bytes *= length;
+    }
+    skipAttributes();
+    v.bytes *= bytesOfType();
+    count();  // the stored size: wrong by design for variables above 4 GB
+    v.begin = integer(version_ == 1 ? 4 : 8);
+    variables_.push_back(v);
+  }
+
+  double size() const {
+    double record = 0.0, least = 0.0;
+    for (const auto& v : variables_)
+      if (v.perRecord) record += v.bytes;
+    for (const auto& v : variables_) {
+      if (!v.perRecord)
+        least = std::max(least, v.begin + v.bytes);
+      else if (numRecords_ > 0)
+        least = std::max(least, v.begin + (numRecords_ - 1) * record + v.bytes);
+    }
+    return least;
+  }
+
+  std::istream& in_;
+  int version_;
+  double fileSize_, numRecords_ = 0.0;
+  bool sane_ = true;
+  std::vector<double> dimensions_;
+  std::vector<Variable> variables_;
+};
+
+void checkKind(const std::string& path) {
+  namespace fs = std::filesystem;
+  std::error_code error;
+  const auto status = fs::status(path, error);
+  if (path.empty() || !fs::exists(status)) refuse(path, "there is no such file.");
+  if (fs::is_directory(status)) refuse(path, "this is a folder; an Exodus II file is wanted.");
+  if (!fs::is_regular_file(status)) refuse(path, "this is not a regular file.");
+}
+
+}  // namespace
+
+void requireWholeNetcdfFile(const std::string& path) {
+  checkKind(path);
+  std::ifstream in(path, std::ios::binary);
+  if (!in) refuse(path, "the file cannot be opened for reading; are its permissions right?");
+  const double fileSize = double(std::filesystem::file_size(path));
+  if (fileSize == 0) refuse(path, "the file is empty.");
+
+  std::array<char, 8> magic{};
+  in.read(magic.data(), 4);
+  const int version = magic[3];
+  const bool classic =
+      std::string(magic.data(), 3) == "CDF" && (version == 1 || version == 2 || version == 5);
+  if (!classic) {
+    in.read(magic.data() + 4, 4);
+    if (in && std::string(magic.data(), 8) == "\x89HDF\r\n\x1a\n") return;
+    refuse(path, "this is not an Exodus II file (neither netCDF nor HDF5 by its first bytes).");
+  }
+  const double least = ClassicHeader(in, version, fileSize).leastSize();
+  if (least < 0) refuse(path, "the netCDF header is cut short or damaged.");
+  if (fileSize < least)
+    refuse(path, "the file is cut short: it has " + std::to_string(std::int64_t(fileSize)) +
+                     " bytes where its header asks for " +
+                     (least < 9e15 ? std::to_string(std::int64_t(least)) : std::string("more than 9e15")) +
+                     ".");
+}
+
+}  // namespace Haptos

@@ -1,0 +1,274 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <exodusII.h>
+#include <sys/resource.h>
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <csignal>
+#include <fstream>
+
+#include "Haptos_BoxMesh.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_ExodusReader.hpp"
+#include "Haptos_ExodusWriter.hpp"
+#include "MeshTestTools.hpp"
+
+using namespace Haptos;
+using namespace HaptosTest;
+
+namespace {
+
+const std::string longName = "a_block_name_of_sixty_characters_that_exceeds_thirty_two_xyz";
+
+/// HEX8 and TET4 blocks, an empty block between them, sets with and without names, number maps.
+Mesh makeRichMesh() {
+  BoxSpec hex, tet;
+  hex.blockName = longName;
+  hex.blockId = 17;
+  hex.divisions = {2, 3, 1};
+  hex.sideSetNames = {"", longName + "_side", "", "", "", ""};
+  tet.blockName = "tet";
+  tet.blockId = 4;
+  tet.lower = {3, 0, 0};
+  tet.upper = {4, 1, 1};
+  tet.topology = Topology::Tet4;
+  tet.divisions = {1, 2, 2};
+  tet.sideSetNames = {"", "", "", "", "", "top"};
+  Mesh mesh = makeBoxes({hex, tet});
+  mesh.blocks.insert(mesh.blocks.begin() + 1, ElementBlock{9, "empty", Topology::Hex8, {}});
+  mesh.title = "rich";
+  mesh.sideSets[0].id = 100;
+  mesh.sideSets[1].id = 12;
+  mesh.sideSets[1].name = "";
+  mesh.sideSets.push_back({3, "hollow", {}});
+  mesh.nodeSets = {{55, longName + "_node", {0, 5, 3}}, {2, "", {7}}, {6, "hollow", {}}};
+  for (auto& number : mesh.nodeNumbers) number = 10 * number + 1;
+  for (auto& number : mesh.elementNumbers) number = 1000 - number;
+  return mesh;
+}
+
+Mesh makeWideMesh() {
+  Mesh mesh = makeRichMesh();
+  mesh.blocks[0].id = (std::int64_t(1) << 31) + 5;
+  mesh.sideSets[0].id = (std::int64_t(1) << 40) + 1;
+  mesh.nodeSets[0].id = (std::int64_t(1) << 33);
+  mesh.nodeNumbers.back() = (std::int64_t(1) << 35) + 3;
+  mesh.elementNumbers.back() = (std::int64_t(1) << 36);
+  mesh.wideIntegers = true;
+  return mesh;
+}
+
+void compareMeshes(const Mesh& a, const Mesh& b, Teuchos::FancyOStream& out, bool& success) {
+  TEST_EQUALITY(a.title, b.title);
+  TEST_EQUALITY(a.wideIntegers, b.wideIntegers);
+  TEST_ASSERT(a.coordinates == b.coordinates);
+  TEST_COMPARE_ARRAYS(a.nodeNumbers, b.nodeNumbers);
+  TEST_COMPARE_ARRAYS(a.elementNumbers, b.elementNumbers);
+  TEST_EQUALITY(listBlocks(a), listBlocks(b));
+  TEST_EQUALITY(listSideSets(a), listSideSets(b));
+  TEST_EQUALITY(listNodeSets(a), listNodeSets(b));
+  for (std::size_t i = 0; i < a.blocks.size(); ++i) {
+    TEST_ASSERT(a.blocks[i].topology == b.blocks[i].topology);
+    TEST_COMPARE_ARRAYS(a.blocks[i].connectivity, b.blocks[i].connectivity);
+  }
+  for (std::size_t i = 0; i < a.nodeSets.size(); ++i)
+    TEST_COMPARE_ARRAYS(a.nodeSets[i].nodes, b.nodeSets[i].nodes);
+  for (std::size_t i = 0; i < a.sideSets.size(); ++i) {
+    const auto &s = a.sideSets[i].sides, &t = b.sideSets[i].sides;
+    TEST_EQUALITY(s.size(), t.size());
+    for (std::size_t j = 0; j < s.size() && j < t.size(); ++j)
+      TEST_ASSERT(s[j].element == t[j].element && s[j].side == t[j].side);
+  }
+}
+
+std::string firstBytes(const std::string& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::string bytes(4, '\0');
+  in.read(bytes.data(), 4);
+  return bytes;
+}
+
+/// Results as another program reads them, through the C library.
+class ResultFile {
+ public:
+  explicit ResultFile(const std::string& path) {
+    int wordSize = 8, fileWordSize = 0;
+    float version = 0;
+    id_ = ex_open(path.c_str(), EX_READ | EX_ALL_INT64_API, &wordSize, &fileWordSize, &version);
+    ex_set_max_name_length(id_, 80);
+  }
+  ~ResultFile() { ex_close(id_); }
+  int steps() const { return int(ex_inquire_int(id_, EX_INQ_TIME)); }
+  double time(int step) const {
+    double value = -1;
+    ex_get_time(id_, step, &value);
+    return value;
+  }
+  std::string name(ex_entity_type type, int index) const {
+    char text[100] = {};
+    ex_get_variable_name(id_, type, index, text);
+    return text;
+  }
+  std::vector<double> values(int step, ex_entity_type type, int index, std::int64_t entity,
+                             std::size_t n) const {
+    std::vector<double> read(n, -77.0);
+    ex_get_var(id_, step, type, index, entity, std::int64_t(n), read.data());
+    return read;
+  }
+
+ private:
+  int id_;
+};
+
+ResultFields makeFields(const Mesh& mesh, double factor) {
+  std::vector<double> x(mesh.numNodes()), twice(mesh.numNodes()), element(mesh.numElements());
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] = factor * double(i), twice[i] = 2 * x[i];
+  for (std::size_t e = 0; e < element.size(); ++e) element[e] = factor + 100.0 * double(e);
+  return {{{"displacement_x", x}, {"a_nodal_field_with_a_name_of_fifty_characters_____", twice}},
+          {{"stress_xx", element}, {"subdomain", element}},
+          {{"kkt", 1e-7 * factor}, {"hessian_multiplications", 10 * factor}}};
+}
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(Exodus, MeshSurvivesClassicFile) {
+  const TestFolder folder;
+  const Mesh mesh = makeRichMesh();
+  TEST_EQUALITY(mesh.blocks[0].name.size(), 60u);
+  writeMesh(folder.file("m.exo"), mesh);
+  TEST_EQUALITY(firstBytes(folder.file("m.exo")).substr(0, 3), "CDF");
+  compareMeshes(mesh, readExodus(folder.file("m.exo")), out, success);
+  TEST_EQUALITY(findSideSet(readExodus(folder.file("m.exo")), "12"), 1);
+}
+
+TEUCHOS_UNIT_TEST(Exodus, MeshWithWideNumbersSurvives) {
+  const TestFolder folder;
+  const Mesh mesh = makeWideMesh();
+  writeMesh(folder.file("m.exo"), mesh);
+  TEST_EQUALITY(firstBytes(folder.file("m.exo")), "\x89HDF");
+  compareMeshes(mesh, readExodus(folder.file("m.exo")), out, success);
+
+  // One wide number alone asks for 64 bits, even if the mesh did not say so.
+  Mesh numbered = makeRichMesh();
+  numbered.nodeNumbers[3] = std::int64_t(1) << 32;
+  writeMesh(folder.file("n.exo"), numbered);
+  const Mesh read = readExodus(folder.file("n.exo"));
+  TEST_ASSERT(read.wideIntegers);
+  TEST_EQUALITY(read.nodeNumbers[3], std::int64_t(1) << 32);
+}
+
+TEUCHOS_UNIT_TEST(Exodus, ResultsAreWrittenStepByStep) {
+  const TestFolder folder;
+  for (const Mesh& mesh : {makeRichMesh(), makeWideMesh()}) {
+    const auto path = folder.file("r.exo");
+    {
+      ExodusWriter writer(path, mesh);
+      writer.writeStep(1.0, makeFields(mesh, 1.0));
+      writer.writeStep(2.5, makeFields(mesh, 3.0));
+      writer.close();
+    }
+    compareMeshes(mesh, readExodus(path), out, success);
+    const ResultFile file(path);
+    TEST_EQUALITY(file.steps(), 2);
+    TEST_EQUALITY(file.time(2), 2.5);
+    const auto fields = makeFields(mesh, 3.0);
+    for (int i = 1; i <= 2; ++i) {
+      TEST_EQUALITY(file.name(EX_NODAL, i), fields.nodal[std::size_t(i - 1)].first);
+      TEST_EQUALITY(file.name(EX_ELEM_BLOCK, i), fields.element[std::size_t(i - 1)].first);
+      TEST_EQUALITY(file.name(EX_GLOBAL, i), fields.global[std::size_t(i - 1)].first);
+      TEST_COMPARE_ARRAYS(file.values(2, EX_NODAL, i, 1, mesh.numNodes()),
+                          fields.nodal[std::size_t(i - 1)].second);
+    }
+    TEST_COMPARE_ARRAYS(file.values(2, EX_GLOBAL, 1, 1, 2), (std::vector<double>{3e-7, 30.0}));
+    TEST_COMPARE_ARRAYS(file.values(1, EX_GLOBAL, 1, 1, 2), (std::vector<double>{1e-7, 10.0}));
+    // The tetrahedra come after 6 hexahedra and an empty block.
+    const auto tets = file.values(2, EX_ELEM_BLOCK, 1, 4, mesh.blocks[2].numElements());
+    TEST_EQUALITY(tets.size(), 24u);
+    TEST_EQUALITY(tets.front(), 603.0);
+    TEST_EQUALITY(tets.back(), 2903.0);
+  }
+}
+
+TEUCHOS_UNIT_TEST(Exodus, MisuseOfTheWriterIsNoticed) {
+  const TestFolder folder;
+  const Mesh mesh = makeRichMesh();
+  ExodusWriter writer(folder.file("r.exo"), mesh);
+  auto shorter = makeFields(mesh, 1.0);
+  shorter.nodal[0].second.pop_back();
+  TEST_THROW(writer.writeStep(1.0, shorter), std::logic_error);
+
+  ExodusWriter second(folder.file("s.exo"), mesh);
+  second.writeStep(1.0, makeFields(mesh, 1.0));
+  auto renamed = makeFields(mesh, 1.0);
+  renamed.element[0].first = "stress_yy";
+  TEST_THROW(second.writeStep(2.0, renamed), std::logic_error);
+  second.close();
+  TEST_THROW(second.close(), std::logic_error);
+  TEST_THROW(second.writeStep(2.0, makeFields(mesh, 1.0)), std::logic_error);
+}
+
+TEUCHOS_UNIT_TEST(Exodus, NoPartialFilePassesAsWhole) {
+  const TestFolder folder;
+  const Mesh mesh = makeRichMesh();
+  std::ofstream(folder.file("r.exo")) << "an older result";
+  {
+    ExodusWriter writer(folder.file("r.exo"), mesh);
+    writer.writeStep(1.0, makeFields(mesh, 1.0));
+    TEST_EQUALITY(folder.entries().size(), 2u);  // the temporary file beside the older one
+    TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
+  }
+  TEST_EQUALITY(folder.entries().size(), 1u);
+  TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
+
+  writeMesh(folder.file("r.exo"), mesh);
+  TEST_EQUALITY(folder.entries().size(), 1u);
+  TEST_EQUALITY(firstBytes(folder.file("r.exo")).substr(0, 3), "CDF");
+  const auto permissions = std::filesystem::status(folder.file("r.exo")).permissions();
+  std::ofstream(folder.file("plain")) << "x";
+  TEST_ASSERT(permissions == std::filesystem::status(folder.file("plain")).permissions());
+}
+
+TEUCHOS_UNIT_TEST(Exodus, FullDiskIsReportedAndLeavesNothing) {
+  const TestFolder folder;
+  const Mesh mesh = makeTwoBeams({2, 4});
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{20000, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  std::string message;
+  try {
+    writeMesh(folder.file("full.exo"), mesh);
+  } catch (const std::runtime_error& e) {
+    message = e.what();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, oldHandler);
+  TEST_INEQUALITY(message.find("full.exo' cannot be written"), std::string::npos);
+  TEST_EQUALITY(folder.entries().size(), 0u);
+  writeMesh(folder.file("full.exo"), mesh);  // the limit was what stopped it
+  TEST_COMPARE(std::filesystem::file_size(folder.file("full.exo")), >, 20000u);
+}
+
+TEUCHOS_UNIT_TEST(Exodus, OutputFolderIsCheckedBeforehand) {
+  const TestFolder folder;
+  const auto messageOf = [](const std::string& file) -> std::string {
+    try {
+      requireWritableFolder(file, "Output->File");
+    } catch (const InputError& e) {
+      return e.what();
+    }
+    return "";
+  };
+  std::ofstream(folder.file("plain")) << "x";
+  TEST_EQUALITY(messageOf(folder.file("new.exo")), "");
+  TEST_EQUALITY(messageOf(folder.file("plain")), "");
+  TEST_EQUALITY(folder.entries().size(), 1u);  // the trial left nothing and changed nothing
+  TEST_EQUALITY(firstBytes(folder.file("plain"))[0], 'x');
+  TEST_INEQUALITY(messageOf(folder.file("no/new.exo")).find("no' does not exist"), std::string::npos);
+  TEST_INEQUALITY(messageOf(folder.file("no/new.exo")).find("Output->File"), std::string::npos);
+  TEST_INEQUALITY(messageOf(folder.file("plain/new.exo")).find("plain' is not a folder"), std::string::npos);
+  TEST_INEQUALITY(messageOf(folder.file("")).find("this is a folder"), std::string::npos);
+  TEST_INEQUALITY(messageOf("").find("a file name is wanted"), std::string::npos);
+  if (std::filesystem::exists("/proc/self"))
+    TEST_INEQUALITY(messageOf("/proc/new.exo").find("no file can be written"), std::string::npos);
+}

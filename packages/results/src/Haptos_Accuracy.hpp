@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_DualProblem.hpp"
+#include "Haptos_KktMeasure.hpp"
+#include "Haptos_NodalGather.hpp"
+
+namespace Haptos {
+
+/// \brief Sizes of the loads; the same on all ranks.
+struct LoadScales {
+  double norm = 0;     ///< 2-norm of the applied nodal loads [force]
+  double largest = 0;  ///< largest applied nodal load [force]
+};
+
+/// Collective.
+LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm);
+
+/// \brief 2-norm and largest nodal value of the reactions at prescribed displacements.  Collective.
+LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda);
+
+/// \brief How good (u, lambda) is, from u, lambda and the element matrices alone.
+struct Accuracy {
+  KktErrors errors;
+  KktScales scales;
+  double ext = 0;    ///< max(|| loads ||, || reactions ||) [force]
+  double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext
+};
+
+/// \brief What the check needs of the model; references are kept.
+struct AccuracyInput {
+  const std::vector<Subdomain>& subdomains;
+  const std::vector<IsotropicMaterial>& materials;
+  Formulation formulation;
+  const JumpOperator& jump;
+  const ContactLaw& law;
+  const Vector& f;                                        ///< primal map
+  const Vector& c;                                        ///< dual map
+  const std::vector<PrescribedDisplacement>& prescribed;  ///< rank 0 only
+  const NodalGather& gather;
+  LoadScales loads;
+};
+
+/// Collective.
+Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda);
+
+}  // namespace Haptos

@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <string>
+#include <vector>
+
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief One contact pair after the solve, in global axes; plain data, to be sent.
+struct PairResult {
+  int interface;
+  int pair;                    ///< position in the interface's pairs
+  std::int64_t secondaryNode;  ///< mesh node
+  std::int64_t primaryNode;    ///< mesh node, -1: rigid plane
+  std::array<double, 3> force; ///< on the secondary node: -(lambda_N n + lambda_T1 t1 + lambda_T2 t2)
+  std::array<double, 3> tangentialForce;  ///< its tangential part
+  double normalForce;          ///< lambda_N >= 0
+  double pressure;             ///< lambda_N / tributary area
+  double gap;                  ///< d - N u: the opening that is left
+  std::array<double, 3> slip;  ///< tangential part of u_secondary - u_primary
+  std::array<double, 3> axis;  ///< t1
+  ContactStatus status;
+};
+
+/// \brief The pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.
+/// \param s B u - c on the dual map, \param forceScale l_ref: below 1e-9 of it a pair counts as open.
+std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
+                                             const Vector& s, double forceScale);
+
+/// \brief Sums over one interface.
+struct InterfaceResult {
+  double normalForce = 0;
+  std::array<double, 3> tangentialForce{0, 0, 0};  ///< on the secondary surface
+  long stick = 0, slip = 0, open = 0;
+  double maxPressure = 0;
+};
+std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, std::size_t numInterfaces);
+
+}  // namespace Haptos

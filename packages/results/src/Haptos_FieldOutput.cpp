@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_FieldOutput.hpp"
+
+#include <Teuchos_Comm.hpp>
+#include <Tpetra_MultiVector.hpp>
+#include <algorithm>
+
+#include "Haptos_Exchange.hpp"
+
+namespace Haptos {
+namespace {
+
+struct SentElement {
+  std::int64_t element;
+  int subdomain;
+  Stress stress;
+};
+
+using Values = std::vector<double>;
+const char* const kAxes[3] = {"_x", "_y", "_z"};
+
+void addVector(ResultFields& fields, const std::string& name, const Values& values) {
+  for (int d = 0; d < 3; ++d) {
+    Values component(values.size() / 3);
+    for (std::size_t i = 0; i < component.size(); ++i) component[i] = values[3 * i + d];
+    fields.nodal.emplace_back(name + kAxes[d], std::move(component));
+  }
+}
+
+// Contact quantities on the nodes; both nodes of a pair get them, the primary one the opposite force.
+struct ContactFields {
+  Values force, slip, axis, normalForce, pressure, gap, status;
+
+  explicit ContactFields(std::size_t n)
+      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0) {}
+
+  void add(std::int64_t node, double sign, const PairResult& pair) {
+    if (node < 0) return;
+    const std::size_t i = std::size_t(node);
+    for (int d = 0; d < 3; ++d) {
+      force[3 * i + d] += sign * pair.force[d];
+      slip[3 * i + d] = pair.slip[d];
+      axis[3 * i + d] = pair.axis[d];
+    }
+    normalForce[i] += pair.normalForce;
+    pressure[i] += pair.pressure;
+    gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
+    status[i] = std::max(status[i], double(int(pair.status)));
+  }
+};
+
+}  // namespace
+
+ElementResults gatherElementResults(const Communicator& comm, const std::vector<Subdomain>& subdomains,
+                                    const std::vector<IsotropicMaterial>& materials, const std::vector<std::size_t>& offsets,
+                                    const MultiVector& u, std::size_t numMeshElements) {
+  const auto data = u.getData(0);
+  std::vector<SentElement> mine;
+  for (std::size_t i = 0; i < subdomains.size(); ++i) {
+    const Subdomain& sub = subdomains[i];
+    const Eigen::Map<const Eigen::VectorXd> ui(data.getRawPtr() + offsets[i], sub.numDofs());
+    std::size_t element = 0;
+    for (const auto& group : sub.groups)
+      for (const auto& stress : elementStresses(sub.coordinates, group, materials[group.material], ui))
+        mine.push_back({sub.elements[element++], sub.id, stress});
+  }
+  ByteWriter writer;
+  writer.write(mine);
+  ElementResults result;
+  if (comm.getRank() == 0) {
+    result.stress.resize(numMeshElements);
+    result.subdomain.resize(numMeshElements);
+  }
+  for (const auto& message : gatherOnRoot(comm, writer.take()))
+    for (const auto& sent : ByteReader(message).readVector<SentElement>()) {
+      result.stress[sent.element] = sent.stress;
+      result.subdomain[sent.element] = sent.subdomain;
+    }
+  return result;
+}
+
+ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& displacement,
+                              const std::vector<PairResult>& pairs, const ElementResults& elements, double kkt,
+                              long hessianMultiplications) {
+  ResultFields fields;
+  addVector(fields, "displacement", displacement);
+  ContactFields contact(numNodes);
+  for (const auto& pair : pairs) {
+    contact.add(pair.secondaryNode, +1.0, pair);
+    contact.add(pair.primaryNode, -1.0, pair);
+  }
+  addVector(fields, "contact_force", contact.force);
+  fields.nodal.emplace_back("contact_normal_force", std::move(contact.normalForce));
+  fields.nodal.emplace_back("contact_pressure", std::move(contact.pressure));
+  fields.nodal.emplace_back("contact_gap", std::move(contact.gap));
+  addVector(fields, "contact_slip", contact.slip);
+  fields.nodal.emplace_back("contact_status", std::move(contact.status));
+  addVector(fields, "friction_axis", contact.axis);
+
+  const char* const components[6] = {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
+  const std::size_t n = elements.stress.size();
+  for (int k = 0; k < 6; ++k) {
+    Values values(n);
+    for (std::size_t e = 0; e < n; ++e) values[e] = elements.stress[e][k];
+    fields.element.emplace_back(components[k], std::move(values));
+  }
+  Values mises(n);
+  for (std::size_t e = 0; e < n; ++e) mises[e] = vonMises(elements.stress[e]);
+  fields.element.emplace_back("von_mises", std::move(mises));
+  fields.element.emplace_back("subdomain", elements.subdomain);
+  fields.global = {{"kkt", kkt}, {"hessian_multiplications", double(hessianMultiplications)}};
+  return fields;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_RunReport.hpp"
+
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+namespace Haptos {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json headerJson(const RunReport& report) { return {{"version", report.version}, {"ranks", report.ranks}}; }
+
+Json modelBlock(const ModelReport& model) {
+  return {{"bodies", model.bodies},
+          {"subdomains", model.subdomains},
+          {"congruence_classes", model.congruenceClasses},
+          {"primal_unknowns", model.primalUnknowns},
+          {"dual_unknowns", model.dualUnknowns},
+          {"kernel_dimension", model.kernelDimension},
+          {"contact_pairs", model.contactPairs},
+          {"pinned_rows", model.pinnedRows},
+          {"discretization", model.discretization},
+          {"law", model.law},
+          {"formulation", model.formulation},
+          {"local_solver", model.localSolver},
+          {"preconditioner", model.preconditioner},
+          {"left_out", model.leftOut},
+          {"notes", model.notes}};
+}
+
+Json solverBlock(const SolverReport& solver) {
+  Json history = Json::array();
+  for (const auto& entry : solver.history)
+    history.push_back({{"hessian_multiplications", entry.hessianMultiplications},
+                       {"residual", entry.residual},
+                       {"stick", entry.stick},
+                       {"slip", entry.slip},
+                       {"open", entry.open}});
+  return {{"method", solver.method},
+          {"status", solver.status},
+          {"reason", solver.reason},
+          {"outer_iterations", solver.outerIterations},
+          {"hessian_multiplications", solver.hessianMultiplications},
+          {"preconditioner_applications", solver.preconditionerApplications},
+          {"coarse_solves", solver.coarseSolves},
+          {"local_solves", solver.localSolves},
+          {"history", history}};
+}
+
+Json accuracyBlock(const RunReport& report) {
+  const KktErrors& e = report.accuracy.errors;
+  return {{"equilibrium", e.equilibrium}, {"continuity", e.continuity},
+          {"penetration", e.penetration}, {"compression", e.compression},
+          {"complementarity", e.complementarity}, {"cone", e.cone},
+          {"slip_law", e.slipLaw}, {"kkt", e.kkt()},
+          {"tolerance", report.tolerance}, {"round_off_floor", report.accuracy.floor}};
+}
+
+Json contactBlock(const RunReport& report) {
+  Json block = Json::object();
+  for (std::size_t i = 0; i < report.interfaces.size(); ++i) {
+    const InterfaceResult& r = report.interfaces[i];
+    block[report.interfaceNames[i]] = {{"normal_force", r.normalForce}, {"tangential_force", r.tangentialForce},
+                                       {"stick", r.stick}, {"slip", r.slip}, {"open", r.open},
+                                       {"max_pressure", r.maxPressure}};
+  }
+  return block;
+}
+
+Json timeBlock(const PhaseTimes& times) {
+  Json block;
+  for (std::size_t i = 0; i < numPhases; ++i) block[phaseName(Phase(i))] = times.seconds[i];
+  block["total"] = times.total;
+  return block;
+}
+
+}  // namespace
+
+std::string modelText(const ModelReport& model) {
+  std::ostringstream out;
+  out << model.bodies << (model.bodies == 1 ? " body, " : " bodies, ") << model.subdomains << " subdomains, "
+      << model.primalUnknowns << " primal and " << model.dualUnknowns << " dual unknowns, kernel " << model.kernelDimension
+      << "; " << model.contactPairs << " contact pairs (" << model.discretization << ", " << model.law << ")";
+  return out.str();
+}
+
+std::string modelJson(const RunReport& report) {
+  return Json{{"haptos", headerJson(report)}, {"model", modelBlock(report.model)}}.dump(2) + "\n";
+}
+
+std::string summaryJson(const RunReport& report) {
+  const Json summary = {{"haptos", headerJson(report)},
+                        {"model", modelBlock(report.model)},
+                        {"solver", solverBlock(report.solver)},
+                        {"accuracy", accuracyBlock(report)},
+                        {"contact", contactBlock(report)},
+                        {"time", timeBlock(report.times)},
+                        {"memory", {{"peak_rss_mb", report.peakMemoryMb}}}};
+  return summary.dump(2) + "\n";
+}
+
+void writeTextFile(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".part";
+  {
+    std::ofstream out(temporary);
+    out << text;
+    out.close();
+    if (!out) {
+      std::remove(temporary.c_str());
+      throw std::runtime_error("cannot write '" + path + "'");
+    }
+  }
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) throw std::runtime_error("cannot write '" + path + "'");
+}
+
+}  // namespace Haptos

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Conditions and loads of a model: sets are looked up, displacements evaluated at the nodes.
+#include <Teuchos_Array.hpp>
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_ModelBuilder.hpp"
+
+namespace Haptos {
+namespace {
+
+using Names = Teuchos::Array<std::string>;
+
+std::set<std::int64_t> nodesOfSet(const Mesh& mesh, const std::vector<std::int64_t>& offsets, const std::string& name,
+                                  const std::string& path) {
+  const int nodeSet = findNodeSet(mesh, name), sideSet = findSideSet(mesh, name);
+  if (nodeSet < 0 && sideSet < 0)
+    throw InputError(path + "->Sets: the mesh has no node set or side set '" + name + "'; its node sets are: " +
+                     listNodeSets(mesh) + "; its side sets are: " + listSideSets(mesh));
+  std::set<std::int64_t> nodes;
+  if (nodeSet >= 0) nodes.insert(mesh.nodeSets[nodeSet].nodes.begin(), mesh.nodeSets[nodeSet].nodes.end());
+  if (sideSet >= 0)
+    for (const auto& side : mesh.sideSets[sideSet].sides)
+      for (auto node : nodesOfSide(mesh, offsets, side)) nodes.insert(node);
+  if (nodes.empty()) throw InputError(path + "->Sets: the set '" + name + "' has no nodes");
+  return nodes;
+}
+
+int sideSetFor(const Mesh& mesh, const std::string& name, const std::string& type, const std::string& path) {
+  const int set = findSideSet(mesh, name);
+  if (set >= 0) return set;
+  const std::string hint = findNodeSet(mesh, name) >= 0 ? "'" + name + "' is a node set, but a " + type + " needs a side set"
+                                                        : "the mesh has no side set '" + name + "'";
+  throw InputError(path + "->Sets: " + hint + "; its side sets are: " + listSideSets(mesh));
+}
+
+struct Given {
+  double value;
+  std::string path;
+};
+
+std::string at(const Mesh& mesh, std::int64_t node) {
+  const auto& x = mesh.coordinates[node];
+  std::ostringstream out;
+  out << "node " << mesh.nodeNumbers[node] << " (" << x[0] << ", " << x[1] << ", " << x[2] << ")";
+  return out.str();
+}
+
+}  // namespace
+
+std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::ParameterList& conditions, const Mesh& mesh) {
+  const auto offsets = blockOffsets(mesh);
+  std::vector<char> used(mesh.numNodes(), 0);
+  for (const auto& block : mesh.blocks)
+    for (auto node : block.connectivity) used[node] = 1;
+  std::map<std::pair<std::int64_t, int>, Given> given;
+  for (auto it = conditions.begin(); it != conditions.end(); ++it) {
+    const auto& list = conditions.sublist(it->first);
+    if (list.get<std::string>("Type") != "Displacement") continue;
+    const std::string path = "Boundary Conditions->" + it->first;
+    const auto value = vectorExpressionFromParameter(list, "Value", path);
+    for (const auto& name : list.get<Names>("Sets"))
+      for (auto node : nodesOfSet(mesh, offsets, name, path)) {
+        if (!used[node]) continue;  // a node without elements has nothing to hold
+        const auto& x = mesh.coordinates[node];
+        const auto u = value(x[0], x[1], x[2]);
+        for (char letter : list.get<std::string>("Components")) {
+          const int component = letter - 'x';
+          const auto [entry, isNew] = given.emplace(std::make_pair(node, component), Given{u[component], path});
+          const double before = entry->second.value;
+          if (!isNew && std::abs(before - u[component]) > 1e-12 * std::max(std::abs(before), std::abs(u[component])))
+            throw InputError(path + "->Value: prescribes " + letter + "-displacement " + std::to_string(u[component]) + " at " +
+                             at(mesh, node) + ", where " + entry->second.path + " prescribes " + std::to_string(before) +
+                             "; give one value only");
+        }
+      }
+  }
+  std::vector<PrescribedDisplacement> result;
+  for (const auto& [key, entry] : given) result.push_back({key.first, key.second, entry.value});
+  return result;
+}
+
+std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const Mesh& mesh) {
+  std::vector<Load> loads;
+  for (auto it = conditions.begin(); it != conditions.end(); ++it) {
+    const auto& list = conditions.sublist(it->first);
+    const std::string type = list.get<std::string>("Type"), path = "Boundary Conditions->" + it->first;
+    if (type == "Displacement") continue;
+    Load load;
+    load.name = path;
+    load.kind = type == "Pressure" ? Load::Kind::Pressure : type == "Traction" ? Load::Kind::Traction : Load::Kind::BodyForce;
+    if (load.kind == Load::Kind::Pressure) load.pressure = expressionFromParameter(list, "Value", path);
+    else load.value = vectorExpressionFromParameter(list, "Value", path);
+    if (load.kind == Load::Kind::BodyForce) {
+      for (const auto& name : list.get<Names>("Element Blocks")) {
+        load.blocks.push_back(findBlock(mesh, name));
+        if (load.blocks.back() < 0)
+          throw InputError(path + "->Element Blocks: the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
+      }
+    } else {
+      for (const auto& name : list.get<Names>("Sets")) load.sideSets.push_back(sideSetFor(mesh, name, type, path));
+    }
+    loads.push_back(std::move(load));
+  }
+  return loads;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "Haptos_Accuracy.hpp"
+#include "Haptos_FetiSystem.hpp"
+#include "Haptos_RunReport.hpp"
+
+namespace Haptos {
+
+/// \brief Multipliers and jumps, from which the displacements follow (recoverPrimal).
+struct DualSolution {
+  RCP<Vector> lambda;  ///< [force], dual map
+  RCP<Vector> s;       ///< B u - c as the method holds it [length], dual map
+};
+
+/// \brief What a method is asked for.
+struct SolveRequest {
+  double tolerance;           ///< of the residual that the method estimates kkt by
+  long maximumMultiplications;  ///< of F, counted from the start of the run
+};
+
+/// \brief A method for the dual problem with contact; keeps its state, so a tighter request goes on where it was.
+class ContactSolver {
+ public:
+  virtual ~ContactSolver() = default;
+  virtual std::string name() const = 0;
+
+  /// \brief Whether the method's own test passed.  Collective.
+  virtual bool solve(const SolveRequest& request) = 0;
+
+  virtual const DualSolution& solution() const = 0;
+  virtual const std::string& reason() const = 0;
+  virtual int outerIterations() const = 0;
+  virtual const std::vector<HistoryEntry>& history() const = 0;
+};
+
+/// \brief Scales and loads that a method may use for its estimate of kkt.
+struct SolverContext {
+  const FetiSystem& system;
+  const LoadScales& loads;
+  std::function<void(const HistoryEntry&)> progress;  ///< called now and then
+};
+
+/// \brief Numbers of pairs that stick, slip, are open, over all ranks.  Collective.
+std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale);
+
+}  // namespace Haptos

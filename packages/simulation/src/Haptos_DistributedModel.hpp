@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_ModelBuilder.hpp"
+#include "Haptos_MultiplierMap.hpp"
+#include "Haptos_RunClock.hpp"
+
+namespace Haptos {
+
+/// \brief The model, dealt to the ranks: every rank has its subdomains and its rows, rank 0 also the mesh.
+struct DistributedModel {
+  RCP<const Communicator> comm;
+  ModelData data;                     ///< the same on all ranks
+  std::vector<Subdomain> subdomains;  ///< this rank's, contiguous in their global numbers
+  int firstSubdomain = 0, numSubdomains = 0;
+  long primalUnknowns = 0;            ///< n, over all ranks
+  RCP<const MultiplierMap> multipliers;
+  GlobalModel global;                 ///< rank 0 only: mesh, interfaces, prescribed displacements
+};
+
+/// \brief Rank 0 reads the mesh (or takes `source`) and builds the model; all get their part.  Collective.
+///
+/// \param source rank 0: a mesh made in memory, used in place of the parameters' one; may be null
+/// \throws InputError, InsufficientModel on all ranks
+DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuchos::ParameterList& parameters,
+                                 const SourceMesh* source, RunClock& clock);
+
+}  // namespace Haptos

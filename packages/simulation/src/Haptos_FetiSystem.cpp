@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_FetiSystem.hpp"
+
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_LoadAdmissibility.hpp"
+#include "Haptos_NodalLoads.hpp"
+
+namespace Haptos {
+namespace {
+
+std::vector<int> sizesOf(const std::vector<Subdomain>& subdomains) {
+  std::vector<int> sizes;
+  for (const auto& sub : subdomains) sizes.push_back(sub.numDofs());
+  return sizes;
+}
+
+bool contains(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
+
+void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd> f) {
+  const ScalarField pressure = [&](double x, double y, double z) { return load.pressure(x, y, z); };
+  const VectorField vector = [&](double x, double y, double z) { return load.value(x, y, z); };
+  for (int g = 0; g < int(sub.groups.size()); ++g) {
+    if (load.kind == Load::Kind::BodyForce) {
+      if (contains(load.blocks, sub.blockOfGroup[g])) addBodyForce(sub.coordinates, sub.groups[g], vector, f);
+      continue;
+    }
+    std::vector<GroupSide> sides;
+    for (const auto& side : sub.sides)
+      if (side.group == g && contains(load.sideSets, side.sideSet)) sides.push_back({side.element, side.side});
+    if (sides.empty()) continue;
+    if (load.kind == Load::Kind::Pressure) addPressure(sub.coordinates, sub.groups[g], sides, pressure, f);
+    else addTraction(sub.coordinates, sub.groups[g], sides, vector, f);
+  }
+}
+
+// Runs work that may throw on one rank alone, and lets all ranks throw.
+template <class Work>
+void runTogether(const Communicator& comm, Work&& work) {
+  std::string message;
+  try {
+    work();
+  } catch (const InputError& e) {
+    message = e.what();
+  }
+  throwOnAllRanks(comm, message);
+}
+
+}  // namespace
+
+FetiSystem::FetiSystem(const DistributedModel& model) : model_(model), law_(*model.multipliers, model.data.friction) {
+  jump_ = Teuchos::rcp(new JumpOperator(model.multipliers, model.firstSubdomain, sizesOf(model.subdomains)));
+  systems_ = Teuchos::rcp(new LocalSystems);
+}
+
+void FetiSystem::assembleLoads() {
+  f_ = Teuchos::rcp(new Vector(jump_->getDomainMap()));
+  {
+    const auto data = f_->getDataNonConst(0);
+    for (std::size_t i = 0; i < model_.subdomains.size(); ++i) {
+      Eigen::Map<Eigen::VectorXd> f(data.getRawPtr() + jump_->primalOffsets()[i], model_.subdomains[i].numDofs());
+      for (const auto& load : model_.data.loads) addLoad(model_.subdomains[i], load, f);
+    }
+  }
+  c_ = Teuchos::rcp(new Vector(model_.multipliers->map()));
+  const auto data = c_->getDataNonConst(0);
+  std::copy(model_.multipliers->c().begin(), model_.multipliers->c().end(), data.begin());
+}
+
+void FetiSystem::assemble() {
+  runTogether(*model_.comm, [&] {
+    systems_->assemble(model_.subdomains, model_.data.materials, model_.data.formulation);
+    assembleLoads();
+  });
+  G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_, model_.numSubdomains));
+  bodies_ = std::make_unique<BodyMotions>(*model_.comm, model_.subdomains, *systems_, model_.numSubdomains, model_.data.bodyNames);
+  const Eigen::VectorXd e = G_->restrictLoad(*f_, *systems_);
+  const double loadScale = f_->norm2();
+  holds_ = holdUnheldMotions(findUnheldMotions(*model_.comm, *G_, *bodies_), *bodies_, e, loadScale);
+  requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
+}
+
+void FetiSystem::factor(LocalSolverMethod method) { systems_->factor(model_.subdomains, method); }
+
+void FetiSystem::formDual() {
+  const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
+  const auto GGT = Teuchos::rcp(new CoarseProblem(*model_.comm, G_->rows(), {}, holds_));
+  dual_ = makeDualProblem(F, G_, GGT, *f_, *c_);
+}
+
+void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod method) {
+  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems_, model_.subdomains, kind, method));
+}
+
+}  // namespace Haptos

@@ -1,0 +1,53 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+
+#include "Haptos_BodyMotions.hpp"
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_DistributedModel.hpp"
+#include "Haptos_DualPreconditioner.hpp"
+#include "Haptos_DualProblem.hpp"
+
+namespace Haptos {
+
+/// \brief Stiffnesses, B, G, F, projectors and the dual problem of a distributed model, built in three phases.
+///
+/// `assemble` checks all that can be checked without a factor (inverted elements, unheld bodies, loads that
+/// contact cannot carry); `factor` and `formDual` do the rest.  All Collective.
+class FetiSystem {
+ public:
+  explicit FetiSystem(const DistributedModel& model);
+
+  /// \throws InputError, InsufficientModel on all ranks
+  void assemble();
+  void factor(LocalSolverMethod method);
+  void formDual();
+  void makePreconditioner(PreconditionerKind kind, LocalSolverMethod method);
+
+  const DistributedModel& model() const { return model_; }
+  const ContactLaw& law() const { return law_; }
+  const JumpOperator& jump() const { return *jump_; }
+  const LocalSystems& systems() const { return *systems_; }
+  const BodyMotions& bodies() const { return *bodies_; }
+  const CoarseProblem::Holds& holds() const { return holds_; }
+  const Vector& f() const { return *f_; }
+  const Vector& c() const { return *c_; }
+  const DualProblem& dual() const { return dual_; }
+  const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }
+
+ private:
+  void assembleLoads();
+
+  const DistributedModel& model_;
+  ContactLaw law_;
+  RCP<JumpOperator> jump_;
+  RCP<LocalSystems> systems_;
+  RCP<NaturalCoarseSpace> G_;
+  std::unique_ptr<BodyMotions> bodies_;
+  CoarseProblem::Holds holds_;
+  RCP<Vector> f_, c_;
+  DualProblem dual_;
+  RCP<const DualPreconditioner> preconditioner_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,167 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ModelBuilder.hpp"
+
+#include <Teuchos_Array.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "Haptos_BoxMesh.hpp"
+#include "Haptos_DualGraph.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_ExodusReader.hpp"
+
+namespace Haptos {
+namespace {
+
+using Teuchos::ParameterList;
+using Names = Teuchos::Array<std::string>;
+
+std::string blockLabel(const ElementBlock& block) { return block.name.empty() ? std::to_string(block.id) : block.name; }
+
+// Materials in the order of the input; fills the material of every block.
+std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, std::vector<IsotropicMaterial>& materials) {
+  std::vector<int> materialOfBlock(mesh.blocks.size(), -1);
+  for (auto it = list.begin(); it != list.end(); ++it) {
+    const auto& material = list.sublist(it->first);
+    const std::string path = "Materials->" + it->first + "->Element Blocks";
+    for (const auto& name : material.get<Names>("Element Blocks")) {
+      const int block = findBlock(mesh, name);
+      if (block < 0)
+        throw InputError(path + ": the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
+      if (materialOfBlock[block] >= 0)
+        throw InputError(path + ": block '" + name + "' already has the material '" + materials[materialOfBlock[block]].name +
+                         "'; a block takes one material");
+      materialOfBlock[block] = int(materials.size());
+    }
+    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
+  }
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
+    if (materialOfBlock[b] < 0 && mesh.blocks[b].numElements() > 0)
+      throw InputError("Materials: element block '" + blockLabel(mesh.blocks[b]) +
+                       "' has no material; name it in the Element Blocks of one");
+  return materialOfBlock;
+}
+
+PartitionOptions partitionOptions(const ParameterList& list, const std::vector<int>& bricks) {
+  PartitionOptions options;
+  const auto method = list.get<std::string>("Method");
+  options.subdomains = list.get<int>("Subdomains");
+  options.seed = list.get<int>("Seed");
+  if (method == "Block") options.method = PartitionMethod::Block;
+  if (method == "Bricks") {
+    if (bricks.empty())
+      throw InputError("Decomposition->Method: Bricks is for the generated Two Beams mesh only; use METIS for a mesh from a file");
+    options.method = PartitionMethod::Bricks;
+    options.bricks = bricks;
+  }
+  return options;
+}
+
+std::array<double, 3> threeOf(const ParameterList& list, const std::string& name) {
+  const auto array = list.get<Teuchos::Array<double>>(name);
+  return {array[0], array[1], array[2]};
+}
+
+ContactSpec contactSpec(const std::string& name, const ParameterList& list) {
+  ContactSpec spec;
+  spec.name = name;
+  if (list.get<std::string>("Discretization") == "Mortar")
+    throw InputError("Contact->" + name +
+                     "->Discretization: Mortar is not in this version; use Node To Node, which needs meshes that match");
+  spec.secondarySideSet = list.get<std::string>("Secondary Side Set");
+  if (list.isParameter("Primary Side Set")) spec.primarySideSet = list.get<std::string>("Primary Side Set");
+  if (list.isSublist("Rigid Plane"))
+    spec.rigidPlane = RigidPlane{threeOf(list.sublist("Rigid Plane"), "Point"), threeOf(list.sublist("Rigid Plane"), "Normal")};
+  spec.matchingTolerance = std::min(0.25, list.get<double>("Matching Tolerance"));
+  spec.principalDirection = threeOf(list.sublist("Friction"), "Principal Direction");
+  return spec;
+}
+
+FrictionSpec frictionSpec(const ParameterList& list) {
+  FrictionSpec spec;
+  const auto law = list.get<std::string>("Law");
+  if (law == "Frictionless") return spec;
+  spec.law = law == "Coulomb" ? FrictionLaw::Coulomb : FrictionLaw::Tresca;
+  const auto coefficients = list.get<Teuchos::Array<double>>("Coefficients");
+  spec.coefficients = {coefficients[0], coefficients[1]};
+  if (spec.law == FrictionLaw::Tresca) spec.slipBound = list.get<double>("Slip Bound");
+  // Without any tangential resistance the tangential rows would only cost.
+  if (spec.coefficients == std::array<double, 2>{0, 0} || (spec.law == FrictionLaw::Tresca && spec.slipBound == 0))
+    spec.law = FrictionLaw::Frictionless;
+  return spec;
+}
+
+void readContact(const ParameterList& list, ModelData& data, GlobalModel& model) {
+  std::vector<ContactSpec> specs;
+  for (auto it = list.begin(); it != list.end(); ++it) {
+    const auto& contact = list.sublist(it->first);
+    data.interfaceNames.push_back(it->first);
+    data.friction.push_back(frictionSpec(contact.sublist("Friction")));
+    specs.push_back(contactSpec(it->first, contact));
+  }
+  model.interfaces = buildContact(model.mesh, specs);
+  for (const auto& interface : model.interfaces) {
+    data.notes.insert(data.notes.end(), interface.notes.begin(), interface.notes.end());
+    data.unpairedNodes += interface.unpairedNodes;
+  }
+}
+
+// A pinned normal row cannot move: its data must already respect the gap.
+void checkPinnedRows(const GlobalModel& model, const ModelData& data) {
+  double size = 0;
+  for (const auto& x : model.mesh.coordinates)
+    for (int d = 0; d < 3; ++d) size = std::max(size, std::abs(x[d] - model.mesh.coordinates.front()[d]));
+  for (const auto& pair : model.rows.pairs)
+    if (model.rows.pinned[pair.normal] && model.rows.c[pair.normal] < -1e-9 * size) {
+      const auto& x = model.mesh.coordinates[pair.geometry.secondaryNode];
+      throw InsufficientModel("The model has no solution: at node " +
+                              std::to_string(model.mesh.nodeNumbers[pair.geometry.secondaryNode]) + " (" + std::to_string(x[0]) +
+                              ", " + std::to_string(x[1]) + ", " + std::to_string(x[2]) + ") of contact '" +
+                              data.interfaceNames[pair.interface] +
+                              "' the prescribed displacements of both sides overlap by " +
+                              std::to_string(-model.rows.c[pair.normal]) + ".");
+    }
+}
+
+}  // namespace
+
+SourceMesh makeMesh(const ParameterList& parameters) {
+  const auto& list = parameters.sublist("Mesh");
+  SourceMesh source;
+  if (list.isSublist("Two Beams")) {
+    const auto& beams = list.sublist("Two Beams");
+    const TwoBeamsSpec spec{beams.get<int>("Subdomains Per Edge"), beams.get<int>("Elements Per Subdomain Edge")};
+    source.mesh = makeTwoBeams(spec);
+    source.bricks = brickSubdomains(spec);
+  } else {
+    source.mesh = readExodus(list.get<std::string>("File"));
+  }
+  return source;
+}
+
+void buildModel(const ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model) {
+  model.mesh = std::move(source.mesh);
+  if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
+  const auto materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
+  model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
+  data.loads = collectLoads(parameters.sublist("Boundary Conditions"), model.mesh);
+  readContact(parameters.sublist("Contact"), data, model);
+
+  const DualGraph graph = buildDualGraph(model.mesh);
+  const Bodies bodies = findBodies(model.mesh);
+  data.bodyNames = bodies.names;
+  const auto options = partitionOptions(parameters.sublist("Decomposition"), source.bricks);
+  data.metis = options.method == PartitionMethod::Metis;
+  model.partition = partitionMesh(model.mesh, graph, bodies, options);
+  data.mendedFragments = model.partition.mended;
+  model.subdomains = extractSubdomains(model.mesh, model.partition, materialOfBlock);
+
+  std::vector<char> frictional;
+  for (const auto& spec : data.friction) frictional.push_back(spec.law != FrictionLaw::Frictionless);
+  std::vector<double> youngsModulus;
+  for (const auto& material : data.materials) youngsModulus.push_back(material.youngsModulus);
+  model.rows = buildConstraintRows(model.mesh, model.subdomains, model.prescribed, model.interfaces, frictional, youngsModulus);
+  checkPinnedRows(model, data);
+}
+
+}  // namespace Haptos

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_ParameterList.hpp>
+#include <string>
+#include <vector>
+
+#include "Haptos_ConstraintRows.hpp"
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_ContactPairs.hpp"
+#include "Haptos_Expression.hpp"
+#include "Haptos_Partition.hpp"
+
+namespace Haptos {
+
+/// \brief A load on surfaces or volumes, with positions of sets and blocks in the mesh.
+struct Load {
+  enum class Kind { Pressure, Traction, BodyForce } kind;
+  std::string name;            ///< path of its parameter list, for messages
+  std::vector<int> sideSets;   ///< of Pressure and Traction
+  std::vector<int> blocks;     ///< of BodyForce
+  Expression pressure;         ///< [force/area], positive into the body
+  VectorExpression value;      ///< [force/area] or [force/volume]
+};
+
+/// \brief What every rank knows: read from the parameters alone, except the resolved positions of sets.
+struct ModelData {
+  std::vector<IsotropicMaterial> materials;
+  std::vector<Load> loads;
+  std::vector<FrictionSpec> friction;        ///< [interfaces]
+  std::vector<std::string> interfaceNames;
+  std::vector<std::string> bodyNames;
+  Formulation formulation = Formulation::Standard;
+  std::vector<std::string> notes;            ///< full sentences for the report
+  std::size_t unpairedNodes = 0;
+  bool metis = false;
+  int mendedFragments = 0;
+};
+
+/// \brief What the reader holds beside: the mesh, its cut into subdomains, and all rows of B.
+struct GlobalModel {
+  Mesh mesh;
+  Partition partition;
+  std::vector<Subdomain> subdomains;         ///< emptied once they are sent
+  std::vector<ContactInterface> interfaces;
+  std::vector<PrescribedDisplacement> prescribed;
+  ConstraintRows rows;
+};
+
+/// \brief A mesh with, for a generated one, its bricks.
+struct SourceMesh {
+  Mesh mesh;
+  std::vector<int> bricks;  ///< [numElements], or empty
+};
+
+/// \brief Reads or generates the mesh of the parameters.  Serial.
+SourceMesh makeMesh(const Teuchos::ParameterList& parameters);
+
+/// \brief Turns the parameters and a mesh into a model; serial, on the reader.
+///
+/// \param parameters validated, with all defaults
+/// \throws InputError naming the parameter and what exists; InsufficientModel for a violated pinned contact row.
+void buildModel(const Teuchos::ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model);
+
+/// \brief Prescribed values of all Displacement conditions, sorted; serial.
+/// \throws InputError for a missing set, or for two conditions that differ at a node, naming both.
+std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::ParameterList& conditions, const Mesh& mesh);
+
+/// \brief Pressures, tractions and body forces; serial.  \throws InputError for a missing set or block.
+std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const Mesh& mesh);
+
+}  // namespace Haptos

@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_PcpgSolver.hpp"
+
+#include <BelosPseudoBlockCGSolMgr.hpp>
+#include <BelosTpetraAdapter.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+
+namespace Haptos {
+namespace {
+
+// P M P: keeps the iterates in Ker G.
+class ProjectedPreconditioner final : public Operator {
+ public:
+  ProjectedPreconditioner(RCP<const Operator> M, RCP<const Operator> P) : M_(std::move(M)), P_(std::move(P)) {}
+  RCP<const Map> getDomainMap() const override { return P_->getDomainMap(); }
+  RCP<const Map> getRangeMap() const override { return P_->getRangeMap(); }
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
+    MultiVector px(x.getMap(), x.getNumVectors()), z(x.getMap(), x.getNumVectors());
+    P_->apply(x, px);
+    M_->apply(px, z);
+    P_->apply(z, y, Teuchos::NO_TRANS, alpha, beta);
+  }
+
+ private:
+  RCP<const Operator> M_, P_;
+};
+
+}  // namespace
+
+PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
+  const DualProblem& dual = context_.system.dual();
+  Vector r(*dual.h, Teuchos::Copy);
+  dual.F->apply(*dual.lambdaIm, r, Teuchos::NO_TRANS, -1.0, 1.0);
+  b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
+  dual.P->apply(r, *b_);
+  x_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
+}
+
+bool PcpgSolver::solve(const SolveRequest& request) {
+  using Problem = Belos::LinearProblem<double, MultiVector, Operator>;
+  const FetiSystem& system = context_.system;
+  const DualProblem& dual = system.dual();
+  const RCP<const Operator> A = dual.PFP;
+  auto problem = Teuchos::rcp(new Problem(A, x_, b_));
+  if (!system.preconditioner().is_null())
+    problem->setLeftPrec(Teuchos::rcp(new ProjectedPreconditioner(system.preconditioner(), dual.P)));
+  problem->setProblem();
+  auto list = Teuchos::parameterList();
+  const long left = request.maximumMultiplications - dual.F->applications() - 2;
+  list->set("Maximum Iterations", int(std::max(1L, left)));
+  list->set("Convergence Tolerance", request.tolerance);
+  list->set("Implicit Residual Scaling", "Norm of RHS");
+  Belos::PseudoBlockCGSolMgr<double, MultiVector, Operator> manager(problem, list);
+  const bool passed = b_->getVector(0)->norm2() == 0.0 || manager.solve() == Belos::Converged;
+  iterations_ += b_->getVector(0)->norm2() == 0.0 ? 0 : manager.getNumIters();
+  reason_ = passed ? "converged" : left < 1 ? "limit of Hessian multiplications" : "conjugate gradients did not converge";
+
+  solution_.lambda = Teuchos::rcp(new Vector(*dual.lambdaIm, Teuchos::Copy));
+  Vector px(dual.map());
+  dual.P->apply(*x_, px);
+  solution_.lambda->update(1.0, px, 1.0);
+  // s = P (h - F lambda): the rigid part is chosen so that nothing is left in Im G^T
+  solution_.s = Teuchos::rcp(new Vector(*b_->getVector(0), Teuchos::Copy));
+  dual.PFP->apply(px, *solution_.s, Teuchos::NO_TRANS, -1.0, 1.0);
+  const double reference = b_->getVector(0)->norm2();
+  history_.push_back({dual.F->applications(), reference > 0 ? solution_.s->norm2() / reference : 0.0, 0, 0, 0});
+  if (context_.progress) context_.progress(history_.back());
+  return passed;
+}
+
+}  // namespace Haptos

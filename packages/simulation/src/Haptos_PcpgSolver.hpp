@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_ContactSolver.hpp"
+
+namespace Haptos {
+
+/// \brief Preconditioned conjugate projected gradients for bodies without contact (Farhat and Roux 1991).
+///
+/// Belos' CG on P F P with the preconditioner P M P; only equality rows exist, so lambda is free.
+class PcpgSolver final : public ContactSolver {
+ public:
+  explicit PcpgSolver(SolverContext context);
+
+  std::string name() const override { return "PCPG"; }
+  bool solve(const SolveRequest& request) override;
+  const DualSolution& solution() const override { return solution_; }
+  const std::string& reason() const override { return reason_; }
+  int outerIterations() const override { return iterations_; }
+  const std::vector<HistoryEntry>& history() const override { return history_; }
+
+ private:
+  SolverContext context_;
+  RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
+  DualSolution solution_;
+  std::string reason_;
+  int iterations_ = 0;
+  std::vector<HistoryEntry> history_;
+};
+
+}  // namespace Haptos

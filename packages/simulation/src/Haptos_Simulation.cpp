@@ -1,0 +1,237 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Simulation.hpp"
+
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cstdio>
+
+#include "Haptos_CommandLine.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_PcpgSolver.hpp"
+#include "Haptos_SmalseContactSolver.hpp"
+
+namespace Haptos {
+namespace {
+
+using Teuchos::ParameterList;
+
+LocalSolverMethod localMethod(const ParameterList& parameters) {
+  const auto method = parameters.sublist("Local Solver").get<std::string>("Method");
+  return method == "CHOLMOD" ? LocalSolverMethod::Cholmod : method == "KLU2" ? LocalSolverMethod::Klu2 : LocalSolverMethod::Automatic;
+}
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+std::string lawName(FrictionLaw law) {
+  return law == FrictionLaw::Coulomb ? "Coulomb" : law == FrictionLaw::Tresca ? "Tresca" : "Frictionless";
+}
+
+// What the scene did not need and was not built.
+std::vector<std::string> leftOut(const ModelData& data, long pairs) {
+  std::vector<std::string> notes;
+  bool matching = false, coulomb = false, frictional = false;
+  for (std::size_t i = 0; i < data.friction.size(); ++i) {
+    coulomb = coulomb || data.friction[i].law == FrictionLaw::Coulomb;
+    frictional = frictional || data.friction[i].law != FrictionLaw::Frictionless;
+    matching = true;
+    if (data.friction[i].law == FrictionLaw::Frictionless)
+      notes.push_back("no tangential multipliers on '" + data.interfaceNames[i] + "' (no friction)");
+  }
+  if (frictional && !coulomb) notes.push_back("no outer fixed point (Tresca)");
+  if (matching && pairs > 0) notes.push_back("no mortar integration (matching meshes or a rigid plane)");
+  if (pairs == 0) notes.push_back(data.friction.empty() ? "no contact (none in the input)" : "no contact (no pair within reach)");
+  if (data.unpairedNodes > 0)
+    notes.push_back(std::to_string(data.unpairedNodes) + " secondary nodes have nothing opposite and no multiplier");
+  return notes;
+}
+
+}  // namespace
+
+Simulation::Simulation(RCP<const Communicator> comm, const ParameterList& parameters, Progress* progress, const SourceMesh* source)
+    : comm_(std::move(comm)), parameters_(parameters), progress_(progress), source_(source) {}
+
+Simulation::~Simulation() = default;
+
+const FetiSystem& Simulation::system() const { return *system_; }
+const DistributedModel& Simulation::model() const { return *model_; }
+
+void Simulation::tell(const std::string& text) const {
+  if (progress_) progress_->line(text);
+}
+
+void Simulation::prepare() {
+  const auto& output = parameters_.sublist("Output");
+  runOnRoot(*comm_, [&] {  // before the work, not after it
+    for (const char* name : {"File", "Summary"})
+      if (!output.get<std::string>(name).empty())
+        requireWritableFolder(output.get<std::string>(name), std::string("Output->") + name);
+  });
+  model_ = std::make_unique<DistributedModel>(distributeModel(comm_, parameters_, source_, clock_));
+  {
+    const auto scope = clock_.time(Phase::Assemble);
+    system_ = std::make_unique<FetiSystem>(*model_);
+    system_->assemble();
+    gather_ = std::make_unique<NodalGather>(comm_, model_->subdomains, model_->global.mesh.numNodes());
+    loads_ = measureLoads(*gather_, system_->f(), *comm_);
+  }
+  describeModel();
+  tell(modelText(report_.model));
+  for (const auto& note : report_.model.notes)
+    if (progress_) progress_->warn(note);
+}
+
+void Simulation::describeModel() {
+  const MultiplierMap& multipliers = *model_->multipliers;
+  report_.version = versionNumber();
+  report_.ranks = comm_->getSize();
+  report_.tolerance = parameters_.sublist("Solver").get<double>("Relative Tolerance");
+  ModelReport& m = report_.model;
+  m.bodies = int(model_->data.bodyNames.size());
+  m.subdomains = model_->numSubdomains;
+  m.primalUnknowns = model_->primalUnknowns;
+  m.dualUnknowns = long(multipliers.map()->getGlobalNumElements());
+  m.kernelDimension = 6L * model_->numSubdomains;
+  m.contactPairs = long(multipliers.numPairs());
+  long pinned = std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1));
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, pinned, Teuchos::outArg(m.pinnedRows));
+  m.discretization = m.contactPairs > 0 ? "Node To Node" : "none";
+  FrictionLaw law = FrictionLaw::Frictionless;
+  for (const auto& friction : model_->data.friction) law = std::max(law, friction.law);
+  m.law = m.contactPairs > 0 ? lawName(law) : "none";
+  m.formulation = model_->data.formulation == Formulation::BBar ? "B-bar" : "standard";
+  m.preconditioner = parameters_.sublist("Preconditioner").get<std::string>("Type");
+  m.leftOut = leftOut(model_->data, m.contactPairs);
+  m.notes = model_->data.notes;
+  report_.interfaceNames = model_->data.interfaceNames;
+}
+
+std::unique_ptr<ContactSolver> Simulation::makeSolver() {
+  const auto& list = parameters_.sublist("Solver");
+  std::string method = list.get<std::string>("Method");
+  const bool contact = model_->multipliers->numPairs() > 0;
+  if (method == "PCPG" && contact)
+    throw InputError("Solver->Method: PCPG is for models without contact, and this one has " +
+                     std::to_string(model_->multipliers->numPairs()) + " contact pairs; use Automatic");
+  if (method == "Automatic") method = contact ? "SMALSE" : "PCPG";
+  SolverContext context{*system_, loads_, [this](const HistoryEntry& entry) {
+    if (progress_)
+      progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
+                        formatted("%.1e", entry.residual) + ", stick " + std::to_string(entry.stick) + ", slip " +
+                        std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
+  }};
+  if (method == "PCPG") {
+    const auto type = parameters_.sublist("Preconditioner").get<std::string>("Type");
+    if (type != "None") {
+      const auto scope = clock_.time(Phase::Factor);
+      system_->makePreconditioner(type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet,
+                                  localMethod(parameters_));
+    }
+    return std::make_unique<PcpgSolver>(context);
+  }
+  return std::make_unique<SmalseContactSolver>(context, list.sublist("SMALSE"));
+}
+
+Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {
+  u = recoverPrimal(system_->dual(), system_->f(), system_->c(), *solution.lambda, *solution.s);
+  const AccuracyInput input{model_->subdomains, model_->data.materials, model_->data.formulation, system_->jump(),
+                            system_->law(), system_->f(), system_->c(), model_->global.prescribed, *gather_, loads_};
+  return measureAccuracy(input, system_->systems(), *u, *solution.lambda);
+}
+
+SimulationResult Simulation::solve() {
+  {
+    const auto scope = clock_.time(Phase::Factor);
+    system_->factor(localMethod(parameters_));
+    report_.model.congruenceClasses = system_->systems().numClasses();
+    report_.model.localSolver = system_->systems().size() > 0 ? system_->systems().solver(0).methodName() : "";
+  }
+  {
+    const auto scope = clock_.time(Phase::Coarse);
+    system_->formDual();
+  }
+  const auto scope = clock_.time(Phase::Solve);
+  const auto& list = parameters_.sublist("Solver");
+  const double tolerance = report_.tolerance;
+  const long maximum = list.get<int>("Maximum Hessian Multiplications");
+  const auto solver = makeSolver();
+  std::string reason;
+  Accuracy accuracy;
+  RCP<Vector> u;
+  double request = tolerance;
+  for (int attempt = 0; attempt < 12; ++attempt) {
+    const bool passed = solver->solve({request, maximum});
+    {
+      const auto recover = clock_.time(Phase::Recover);
+      accuracy = checkSolution(solver->solution(), u);
+    }
+    const double kkt = accuracy.errors.kkt();
+    reason = passed ? "" : solver->reason();
+    if (kkt <= tolerance || !passed) break;
+    reason = "the method's own test passed, but kkt did not reach the tolerance";
+    if (accuracy.floor > tolerance) break;
+    request *= std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+  }
+  const double kkt = accuracy.errors.kkt();
+  if (kkt > tolerance) {
+    if (accuracy.floor > 0.1 * kkt) reason += "; round-off forbids less than about " + formatted("%.1e", accuracy.floor);
+    reason += "; largest error: " + accuracy.errors.worst() + " = " + formatted("%.2e", kkt);
+  }
+  report_.solver.status = kkt <= tolerance ? "converged" : "not converged";
+  report_.solver.reason = reason;
+  return collect(*solver, accuracy, *u);
+}
+
+SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy& accuracy, const Vector& u) {
+  const auto scope = clock_.time(Phase::Recover);
+  report_.accuracy = accuracy;
+  SolverReport& s = report_.solver;
+  s.method = solver.name();
+  s.outerIterations = solver.outerIterations();
+  s.hessianMultiplications = system_->dual().F->applications();
+  s.preconditionerApplications = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->applications();
+  s.coarseSolves = system_->dual().GGT->solves();
+  s.history = solver.history();
+  long mine = system_->systems().localSolves();
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
+
+  SimulationResult result;
+  result.solved = accuracy.errors.kkt() <= report_.tolerance;
+  result.dual = solver.solution();
+  Vector jump(system_->c(), Teuchos::Copy);
+  system_->jump().apply(u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
+  const double forceScale = contactForceScale(system_->law(), *result.dual.lambda, accuracy.scales.load);
+  result.pairs = gatherContactResults(*model_->multipliers, system_->law(), *result.dual.lambda, jump, forceScale);
+  report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
+  result.displacement = gather_->copies(u).mean;
+  result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, system_->jump().primalOffsets(), u,
+                                         model_->global.mesh.numElements());
+  result.report = report_;
+  return result;
+}
+
+void Simulation::write(SimulationResult& result) {
+  const auto& output = parameters_.sublist("Output");
+  {
+    const auto scope = clock_.time(Phase::Write);
+    runOnRoot(*comm_, [&] {
+      if (output.get<std::string>("File").empty()) return;
+      const Mesh& mesh = model_->global.mesh;
+      ExodusWriter writer(output.get<std::string>("File"), mesh);
+      writer.writeStep(1.0, makeResultFields(mesh.numNodes(), result.displacement, result.pairs, result.elements,
+                                             result.report.accuracy.errors.kkt(), result.report.solver.hessianMultiplications));
+      writer.close();
+    });
+  }
+  result.report.times = clock_.slowest(*comm_);
+  result.report.peakMemoryMb = gatherPeakMemoryMb(*comm_);
+  runOnRoot(*comm_, [&] {
+    if (!output.get<std::string>("Summary").empty()) writeTextFile(output.get<std::string>("Summary"), summaryJson(result.report));
+  });
+}
+
+}  // namespace Haptos

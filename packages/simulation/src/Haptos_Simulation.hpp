@@ -1,0 +1,69 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_ParameterList.hpp>
+#include <memory>
+
+#include "Haptos_ContactSolver.hpp"
+#include "Haptos_FieldOutput.hpp"
+#include "Haptos_Progress.hpp"
+
+namespace Haptos {
+
+/// \brief What one run leaves; fields of the mesh are on rank 0 only.
+struct SimulationResult {
+  bool solved = false;  ///< kkt <= Relative Tolerance
+  RunReport report;
+  std::vector<double> displacement;  ///< rank 0: [3 x mesh nodes], mean of the copies
+  std::vector<PairResult> pairs;     ///< rank 0
+  ElementResults elements;           ///< rank 0
+  DualSolution dual;                 ///< this rank's part
+};
+
+/// \brief One run from parameters to results: model, decomposition, dual problem, solve, check, recovery.
+///
+///   Simulation run(comm, parameters);      reads or generates the mesh
+///   run.prepare();                         all that can be checked without a factorisation
+///   auto result = run.solve();
+///   run.write(result);
+///
+/// All methods are Collective.  The accuracy of the result is measured from u and lambda by the element
+/// matrices; where a method's own test passed and that measure did not, the method goes on with a tighter one.
+class Simulation {
+ public:
+  /// \param parameters validated, with all defaults (readParameters, validatedParameters)
+  /// \param source rank 0: a mesh in memory to use instead of Mesh->File; may be null
+  Simulation(RCP<const Communicator> comm, const Teuchos::ParameterList& parameters, Progress* progress = nullptr,
+             const SourceMesh* source = nullptr);
+  ~Simulation();
+
+  /// \throws InputError, InsufficientModel on all ranks
+  void prepare();
+  SimulationResult solve();
+  /// \brief Writes Output->File and Output->Summary where they are named.
+  void write(SimulationResult& result);
+
+  /// \brief The model as `prepare` found it.
+  const RunReport& report() const { return report_; }
+  const FetiSystem& system() const;
+  const DistributedModel& model() const;
+
+ private:
+  void describeModel();
+  std::unique_ptr<ContactSolver> makeSolver();
+  Accuracy checkSolution(const DualSolution& solution, RCP<Vector>& u) const;
+  void tell(const std::string& text) const;
+  SimulationResult collect(const ContactSolver& solver, const Accuracy& accuracy, const Vector& u);
+
+  RCP<const Communicator> comm_;
+  Teuchos::ParameterList parameters_;
+  Progress* progress_;
+  const SourceMesh* source_;
+  RunClock clock_;
+  std::unique_ptr<DistributedModel> model_;
+  std::unique_ptr<FetiSystem> system_;
+  std::unique_ptr<NodalGather> gather_;
+  LoadScales loads_;
+  RunReport report_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,159 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SmalseContactSolver.hpp"
+
+#include <BelosTpetraAdapter.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <cmath>
+
+#include "Haptos_CoulombFixedPoint.hpp"
+#include "Haptos_SmalseSolMgr.hpp"
+
+namespace Haptos {
+namespace {
+
+using Manager = SmalseSolMgr<double, MultiVector, Operator>;
+using Program = QuadraticProgram<double, MultiVector, Operator>;
+
+// Shares the coarse solve between P F P x and Q x.
+class FetiProgram final : public Program {
+ public:
+  FetiProgram(const DualProblem& dual, const RCP<MultiVector>& x, const RCP<const MultiVector>& b,
+              const RCP<FeasibleSet<MultiVector>>& omega)
+      : Program(dual.PFP, x, b, omega, dual.Q, dual.lambdaIm), PFP_(dual.PFP) {}
+  void applyHessian(const MultiVector& x, MultiVector& Ax, MultiVector& Qx) const override {
+    PFP_->applyWithProjection(x, Ax, Qx);
+  }
+
+ private:
+  RCP<const ProjectedDualOperator> PFP_;
+};
+
+// b = P (h - F lambdaIm)
+RCP<MultiVector> rightHandSide(const DualProblem& dual) {
+  auto r = Teuchos::rcp(new MultiVector(*dual.h, Teuchos::Copy));
+  dual.F->apply(*dual.lambdaIm, *r, Teuchos::NO_TRANS, -1.0, 1.0);
+  auto b = Teuchos::rcp(new MultiVector(dual.map(), 1));
+  dual.P->apply(*r, *b);
+  return b;
+}
+
+RCP<Teuchos::ParameterList> managerParameters(const Teuchos::ParameterList& user, const Manager& manager) {
+  const std::pair<const char*, const char*> names[] = {
+      {"Rho Factor", "Rho Factor"}, {"M Factor", "M0"}, {"M Floor", "M Floor"}, {"Beta", "Beta"},
+      {"Eta Factor", "Eta0"}, {"Gamma", "Gamma"}, {"Step Length", "Step Length"}};
+  auto list = Teuchos::parameterList();
+  for (const auto& [theirs, ours] : names)
+    if (manager.getValidParameters()->isParameter(ours)) list->set(ours, user.get<double>(theirs));
+  return list;
+}
+
+}  // namespace
+
+std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale) {
+  long mine[3] = {0, 0, 0};
+  std::array<long, 3> all;
+  const auto data = lambda.getData(0);
+  for (const auto& pair : law.pairs()) {
+    const auto status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), 1e-9 * forceScale);
+    ++mine[status == ContactStatus::Stick ? 0 : status == ContactStatus::Slip ? 1 : 2];
+  }
+  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_SUM, 3, mine, all.data());
+  return all;
+}
+
+struct SmalseContactSolver::Impl {
+  RCP<MultiVector> x;
+  std::unique_ptr<CoulombFixedPoint> fixedPoint;
+  RCP<FetiProgram> program;
+  Manager manager;
+  long multiplicationsAtStart = 0;
+  double tolerance = 0;
+};
+
+SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start)
+    : context_(std::move(context)), impl_(std::make_unique<Impl>()) {
+  const FetiSystem& system = context_.system;
+  const DualProblem& dual = system.dual();
+  impl_->multiplicationsAtStart = dual.F->applications();
+  const Vector& first = start.is_null() ? *dual.lambdaIm : *start;
+  impl_->x = Teuchos::rcp(new MultiVector(first, Teuchos::Copy));
+  impl_->fixedPoint = std::make_unique<CoulombFixedPoint>(dual.map(), system.law(), system.jump().multipliers(), first);
+  impl_->program = Teuchos::rcp(new FetiProgram(dual, impl_->x, rightHandSide(dual), impl_->fixedPoint->set()));
+  impl_->manager.setProblem(impl_->program);
+  impl_->manager.setParameters(managerParameters(parameters, impl_->manager));
+  impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
+  impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });
+  impl_->manager.setObserver([this](const SmalseRecord& r) { record(r.residual); });
+}
+
+SmalseContactSolver::~SmalseContactSolver() = default;
+
+int SmalseContactSolver::outerIterations() const { return int(impl_->manager.history().size()); }
+
+bool SmalseContactSolver::solve(const SolveRequest& request) {
+  const DualProblem& dual = context_.system.dual();
+  impl_->tolerance = request.tolerance;
+  auto list = Teuchos::parameterList(*impl_->manager.getCurrentParameters());
+  list->set("Convergence Tolerance", request.tolerance);
+  list->set("Maximum Hessian Multiplications", int(std::max(1L, request.maximumMultiplications - impl_->multiplicationsAtStart)));
+  impl_->manager.setParameters(list);
+  const bool passed = impl_->manager.solve() == Belos::Converged;
+  reason_ = impl_->manager.reason();
+  solution_.lambda = Teuchos::rcp(new Vector(*impl_->x->getVector(0), Teuchos::Copy));
+  solution_.s = Teuchos::rcp(new Vector(*impl_->manager.gradient()->getVector(0), Teuchos::Copy));
+  solution_.s->scale(-1.0);  // s = B u - c = h - F lambda + G^T a is minus the gradient of the Lagrangian
+  return passed && dual.F->applications() <= request.maximumMultiplications;
+}
+
+void SmalseContactSolver::updateDisplacementScale(const Vector& lambda, const Vector& s) {
+  const FetiSystem& system = context_.system;
+  const auto u = recoverPrimal(system.dual(), system.f(), system.c(), lambda, s);
+  const auto data = u->getData(0);
+  double mine = 0;
+  for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));
+  Teuchos::reduceAll(*system.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(uRef_));
+}
+
+double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {
+  const FetiSystem& system = context_.system;
+  const DualProblem& dual = system.dual();
+  const Vector lambda(*x.getVector(0), Teuchos::Copy);
+  Vector s(*gradient.getVector(0), Teuchos::Copy);
+  s.scale(-1.0);
+  const auto measure = [&] {
+    const LoadScales reactions = measureReactions(system.jump().multipliers(), lambda);
+    const KktScales scales{uRef_, std::max(context_.loads.largest, reactions.largest)};
+    KktErrors errors = measureContact(system.law(), lambda, s, scales);
+    const double ext = std::max(context_.loads.norm, reactions.norm);
+    const Eigen::MatrixXd imbalance = dual.G->applyG(lambda) - dual.e;
+    errors.equilibrium = ext > 0 ? imbalance.norm() / ext : 0.0;
+    // An orthonormal row of two copies is their difference over sqrt(2).
+    double jump = 0, largest = 0;
+    const auto data = s.getData(0);
+    const auto& kinds = system.jump().multipliers().kinds();
+    for (std::size_t row = 0; row < kinds.size(); ++row)
+      if (kinds[row] == RowKind::Gluing || kinds[row] == RowKind::Dirichlet) jump = std::max(jump, std::abs(data[row]));
+    Teuchos::reduceAll(*system.model().comm, Teuchos::REDUCE_MAX, jump, Teuchos::outArg(largest));
+    errors.continuity = uRef_ > 0 ? std::sqrt(2.0) * largest / uRef_ : (largest > 0 ? 1.0 : 0.0);
+    return errors.kkt();
+  };
+  if (uRef_ <= 0) updateDisplacementScale(lambda, s);
+  double kkt = measure();
+  if (kkt <= impl_->tolerance) {  // looks solved: measure once more by its own displacements
+    updateDisplacementScale(lambda, s);
+    kkt = measure();
+  }
+  return kkt;
+}
+
+void SmalseContactSolver::record(double residual) {
+  const FetiSystem& system = context_.system;
+  const Vector lambda(*impl_->x->getVector(0), Teuchos::Copy);
+  const auto states = countStates(system.law(), lambda, contactForceScale(system.law(), lambda, context_.loads.largest));
+  history_.push_back({system.dual().F->applications(), residual, states[0], states[1], states[2]});
+  if (context_.progress) context_.progress(history_.back());
+}
+
+}  // namespace Haptos

@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_ParameterList.hpp>
+#include <memory>
+
+#include "Haptos_ContactSolver.hpp"
+
+namespace Haptos {
+
+/// \brief The method of the paper: SMALSE-M with MPGP inside, Coulomb by connected successive approximations.
+///
+/// Its outer test estimates kkt from lambda and the gradient of the Lagrangian, which is -(B u - c).
+class SmalseContactSolver final : public ContactSolver {
+ public:
+  /// \param parameters the sublist Solver->SMALSE
+  /// \param start first multipliers, or null for those of Im G^T
+  SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start = Teuchos::null);
+  ~SmalseContactSolver() override;
+
+  std::string name() const override { return "SMALSE"; }
+  bool solve(const SolveRequest& request) override;
+  const DualSolution& solution() const override { return solution_; }
+  const std::string& reason() const override { return reason_; }
+  int outerIterations() const override;
+  const std::vector<HistoryEntry>& history() const override { return history_; }
+
+ private:
+  struct Impl;
+  double estimateKkt(const MultiVector& lambda, const MultiVector& gradient);
+  void updateDisplacementScale(const Vector& lambda, const Vector& s);
+  void record(double residual);
+
+  SolverContext context_;
+  std::unique_ptr<Impl> impl_;
+  DualSolution solution_;
+  std::string reason_;
+  std::vector<HistoryEntry> history_;
+  double uRef_ = -1;
+};
+
+}  // namespace Haptos

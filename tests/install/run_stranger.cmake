@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: BSD-3-Clause
+# Script of the test install_stranger; its variables come from CMakeLists.txt beside it.
+execute_process(COMMAND mktemp -d OUTPUT_VARIABLE work OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+set(prefix "${work}/installed copy")   # a blank, as in many people's folders
+file(COPY ${STRANGER_DIR}/ DESTINATION ${work}/source)
+
+function(fail what)
+  file(REMOVE_RECURSE ${work})
+  message(NOTICE "${what}")
+  message(FATAL_ERROR "install_stranger failed, see above")
+endfunction()
+
+function(step what)
+  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  if(NOT status EQUAL 0)
+    fail("${what} failed (${status}):\n${output}")
+  endif()
+  set(output "${output}" PARENT_SCOPE)
+endfunction()
+
+step("install" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
+step("configure" ${CMAKE_COMMAND} -S ${work}/source -B ${work}/build -G ${GENERATOR}
+  -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
+  "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
+step("build" ${CMAKE_COMMAND} --build ${work}/build)
+step("run" ${MPIRUN} -n 2 ${work}/build/stranger)
+message(STATUS "${output}")
+
+# It was the installed copy that was used, and our warnings are not forced on others.
+file(READ ${work}/build/compile_commands.json commands)
+if(NOT commands MATCHES "installed copy/include/haptos")
+  fail("the stranger did not use the installed headers:\n${commands}")
+endif()
+if(commands MATCHES "-Wextra")
+  fail("Haptos forces its warnings on the stranger:\n${commands}")
+endif()
+
+# The copy can be moved away from the build.
+file(GLOB exported ${prefix}/lib/cmake/Haptos/*.cmake)
+foreach(file IN LISTS exported)
+  file(READ ${file} text)
+  string(FIND "${text}" "${BUILD_DIR}" leak)
+  if(NOT leak EQUAL -1)
+    fail("${file} names the build folder ${BUILD_DIR}")
+  endif()
+endforeach()
+file(REMOVE_RECURSE ${work})

@@ -1,0 +1,350 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Converts small gmsh meshes and reads the Exodus files back with plain netCDF4; checks inputs/dovetail.exo.
+
+Exit status 77 (skipped) where netCDF4 is missing, and where only gmsh is missing and all else passed.
+"""
+import pathlib
+import subprocess
+import sys
+import tempfile
+import unittest
+
+SOURCE = pathlib.Path(__file__).resolve().parents[2]
+CONVERTER = SOURCE / "drivers" / "haptos_from_gmsh.py"
+SKIPPED = 77
+
+try:
+    import netCDF4
+    import numpy as np
+except ImportError as error:
+    print(f"skipped: {error}")
+    sys.exit(SKIPPED)
+try:
+    import gmsh
+except (ImportError, OSError) as error:   # OSError: the package is there, its system libraries are not
+    gmsh = None
+    print(f"conversion not tested: {error}")
+
+# The manual's tables, 1-based, written down here a second time on purpose.
+SIDE_NODES = {"HEX8": {1: (1, 2, 6, 5), 2: (2, 3, 7, 6), 3: (3, 4, 8, 7), 4: (1, 5, 8, 4), 5: (1, 4, 3, 2), 6: (5, 6, 7, 8)},
+              "TETRA4": {1: (1, 2, 4), 2: (2, 3, 4), 3: (1, 4, 3), 4: (1, 3, 2)}}
+HEX_IN_TETS = [(0, 1, 3, 4), (1, 2, 3, 6), (1, 6, 4, 5), (3, 4, 6, 7), (1, 3, 4, 6)]
+
+
+class Exodus:
+    """An Exodus file as arrays: coordinates, blocks and sets by name."""
+
+    def __init__(self, path):
+        with netCDF4.Dataset(path) as file:
+            file.set_auto_mask(False)
+            self.format = file.data_model
+            self.title = file.title
+            self.x = np.stack([file["coord" + a][:] for a in "xyz"], axis=1)
+            self.node_map = file["node_num_map"][:] if "node_num_map" in file.variables else None
+            self.ids = {k: list(file[k + "_prop1"][:]) for k in ("eb", "ss", "ns") if k + "_prop1" in file.variables}
+            self.blocks = {n: (file[f"connect{k}"].elem_type, file[f"connect{k}"][:] - 1) for k, n in self._names(file, "eb")}
+            self.side_sets = {n: (file[f"elem_ss{k}"][:], file[f"side_ss{k}"][:]) for k, n in self._names(file, "ss")}
+            self.node_sets = {n: file[f"node_ns{k}"][:] - 1 for k, n in self._names(file, "ns")}
+        self._elements = [(shape, nodes) for shape, rows in self.blocks.values() for nodes in rows]
+
+    @staticmethod
+    def _names(file, kind):
+        if kind + "_names" not in file.variables:
+            return []
+        return enumerate((b"".join(row).rstrip(b"\0").decode() for row in file[kind + "_names"][:]), start=1)
+
+    def volumes(self, block):
+        shape, rows = self.blocks[block]
+        tets = HEX_IN_TETS if shape == "HEX8" else [(0, 1, 2, 3)]
+        x = self.x[rows]
+        return sum(np.linalg.det(x[:, t[1:]] - x[:, t[:1]]) / 6 for t in tets)
+
+    def facets(self, side_set):
+        for element, side in zip(*self.side_sets[side_set]):
+            shape, nodes = self._elements[element - 1]
+            yield nodes[np.array(SIDE_NODES[shape][side]) - 1]
+
+    def area_vector(self, side_set):
+        """Sum over the sides of area times outward normal, and the sum of the areas."""
+        vectors = []
+        for nodes in self.facets(side_set):
+            p = self.x[nodes]
+            vectors.append(np.cross(p[2] - p[0], p[-1] - p[1]) / 2 if len(p) == 4 else np.cross(p[1] - p[0], p[2] - p[0]) / 2)
+        return np.sum(vectors, axis=0), np.linalg.norm(vectors, axis=1).sum()
+
+    def set_nodes(self, side_set):
+        return np.unique(np.concatenate(list(self.facets(side_set))))
+
+
+class Dovetail(unittest.TestCase):
+    """The shipped mesh, by netCDF4 alone."""
+    path = SOURCE / "inputs" / "dovetail.exo"
+
+    @classmethod
+    def setUpClass(cls):
+        cls.mesh = Exodus(cls.path)
+
+    def test_size_and_blocks(self):
+        self.assertLess(self.path.stat().st_size, 3_000_000)
+        self.assertLess(len(self.mesh.x), 35_000)
+        self.assertEqual({n: s for n, (s, _) in self.mesh.blocks.items()}, {"root": "HEX8", "disc": "HEX8"})
+        for name in ("disc_cut_left", "disc_cut_right", "disc_inner", "root_top", "root_front", "root_back"):
+            self.assertGreater(len(self.mesh.side_sets[name][0]), 10, name)
+
+    def test_volumes_are_positive_and_nodes_used(self):
+        for name in self.mesh.blocks:
+            self.assertGreater(self.mesh.volumes(name).min(), 0, name)
+        used = np.unique(np.concatenate([rows.ravel() for _, rows in self.mesh.blocks.values()]))
+        self.assertEqual(len(used), len(self.mesh.x))
+        root, disc = (np.unique(rows) for _, rows in self.mesh.blocks.values())
+        self.assertEqual(len(np.intersect1d(root, disc)), 0, "root and disc must not be glued")
+
+    def test_flanks_match_node_by_node(self):
+        for side, x in (("left", -1), ("right", 1)):
+            root, disc = (self.mesh.set_nodes(f"{body}_flank_{side}") for body in ("root", "disc"))
+            self.assertGreater(len(root), 100)
+            self.assertEqual(len(root), len(disc))
+            a, b = (self.mesh.x[n][np.lexsort(self.mesh.x[n].round(9).T)] for n in (root, disc))
+            np.testing.assert_allclose(a, b, atol=1e-12)
+            outward, area = self.mesh.area_vector(f"root_flank_{side}")
+            inward, _ = self.mesh.area_vector(f"disc_flank_{side}")
+            np.testing.assert_allclose(outward, -inward, atol=1e-9)
+            self.assertAlmostEqual(np.linalg.norm(outward) / area, 1, places=9)      # plane
+            # 6 mm flank at 40 degrees to the radial direction, 30 mm long, sheared by 8 degrees along z
+            np.testing.assert_allclose(outward[:2], 180 * np.array([x * np.cos(np.radians(40)), np.sin(np.radians(40))]), rtol=1e-9)
+            self.assertAlmostEqual(outward[2] / outward[0], -np.tan(np.radians(8)), places=9)
+
+    def test_flanks_continue_as_fillets(self):
+        """Past the flank's edges root and disc part: no other node of the root lies on the disc, the gap opens from zero."""
+        flank = np.concatenate([self.mesh.set_nodes(f"root_flank_{s}") for s in ("left", "right")])
+        disc = self.mesh.x[np.unique(self.mesh.blocks["disc"][1])]
+        root = np.setdiff1d(np.unique(self.mesh.blocks["root"][1]), flank)
+        middle = root[np.abs(self.mesh.x[root, 2] - self.mesh.x[:, 2].min()) < 1e-9]
+        face = disc[np.abs(disc[:, 2] - self.mesh.x[:, 2].min()) < 1e-9]
+        gaps = np.array([np.linalg.norm(face - p, axis=1).min() for p in self.mesh.x[middle]])
+        self.assertGreater(gaps.min(), 0.005)
+        self.assertGreater(np.sum(gaps < 0.3), 4)      # the arcs leave each other slowly
+
+    def test_supports_are_planes_across_the_axes(self):
+        for name, axis in (("disc_cut_left", 0), ("disc_cut_right", 0), ("disc_inner", 1), ("root_front", 2)):
+            values = self.mesh.x[self.mesh.set_nodes(name), axis]
+            self.assertLess(np.ptp(values), 1e-9, name)
+
+
+# ---------------------------------------------------------------- conversion
+
+
+def convert(mesh, output, *options):
+    return subprocess.run([sys.executable, str(CONVERTER), str(mesh), str(output), *options], capture_output=True, text=True, timeout=120)
+
+
+def msh2(path, names, nodes, elements):
+    """A mesh in gmsh's format 2.2: names [(dim, tag, name)], nodes {tag: xyz}, elements [(kind, physical, entity, nodes)]."""
+    lines = ["$MeshFormat", "2.2 0 8", "$EndMeshFormat", "$PhysicalNames", str(len(names))]
+    lines += [f'{dim} {tag} "{name}"' for dim, tag, name in names] + ["$EndPhysicalNames", "$Nodes", str(len(nodes))]
+    lines += [f"{tag} {x} {y} {z}" for tag, (x, y, z) in nodes.items()] + ["$EndNodes", "$Elements", str(len(elements))]
+    for number, (kind, physical, entity, corners) in enumerate(elements, start=1):
+        lines.append(" ".join(map(str, (number, kind, 2, physical, entity, *corners))))
+    path.write_text("\n".join([*lines, "$EndElements", ""]))
+
+
+CUBE = {11: (0, 0, 0), 12: (1, 0, 0), 13: (1, 1, 0), 14: (0, 1, 0), 25: (0, 0, 1), 26: (1, 0, 1), 27: (1, 1, 1), 28: (0, 1, 1)}
+TOP = (3, 1, 1, (25, 26, 27, 28))
+
+
+@unittest.skipIf(gmsh is None, "gmsh is not importable")
+class Conversion(unittest.TestCase):
+    def setUp(self):
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.msh = pathlib.Path(self._folder.name) / "mesh.msh"
+        self.exo = pathlib.Path(self._folder.name) / "mesh.exo"
+        gmsh.initialize(interruptible=False)
+        self.addCleanup(gmsh.finalize)
+        gmsh.option.setNumber("General.Terminal", 0)
+
+    def converted(self, *options):
+        run = convert(self.msh, self.exo, *options)
+        self.assertEqual(run.returncode, 0, run.stderr)
+        return Exodus(self.exo)
+
+    def refused(self, *options):
+        run = convert(self.msh, self.exo, *options)
+        self.assertEqual(run.returncode, 1, run.stdout + run.stderr)
+        self.assertFalse(self.exo.exists(), "a refused mesh leaves no file")
+        self.assertEqual(run.stderr.count("\n"), 1, "one message: " + run.stderr)
+        return run.stderr
+
+    def save_stack(self, hexahedra, depth=1.0, physical=("lower", "upper")):
+        """Two unit cubes, one on the other, conforming; `middle` is their common square [0, depth] x [0, 1]."""
+        geo = gmsh.model.geo
+        parts = [(0.0, depth)] + ([(depth, 1.0)] if depth < 1 else [])
+        volumes = {0: [], 1: []}
+        for begin, end in parts:
+            curve = geo.extrude([(0, geo.addPoint(begin, 0, 0))], end - begin, 0, 0, [4], recombine=hexahedra)[1]
+            face = next(e for e in geo.extrude([curve], 0, 1, 0, [4], recombine=hexahedra) if e[0] == 2)
+            for level in volumes:
+                swept = geo.extrude([face], 0, 0, 1, [4], recombine=hexahedra)
+                face = swept[0]
+                volumes[level].append(swept[1][1])
+        geo.removeAllDuplicates()
+        geo.synchronize()
+        for name, tags in zip(physical, volumes.values()):
+            gmsh.model.addPhysicalGroup(3, tags, name=name)
+        self.name_faces(depth)
+        gmsh.model.mesh.generate(3)
+        gmsh.write(str(self.msh))
+
+    def name_faces(self, depth):
+        boxes = {"middle": (0, 0, 1, depth, 1, 1), "top": (0, 0, 2, 1, 1, 2), "left": (0, 0, 0, 0, 1, 2)}
+        for name, box in boxes.items():
+            low, high = np.array(box[:3]) - 1e-4, np.array(box[3:]) + 1e-4
+            tags = [t for _, t in gmsh.model.getEntitiesInBoundingBox(*low, *high, dim=2)]
+            gmsh.model.addPhysicalGroup(2, tags, name=name)
+        corner = gmsh.model.getEntitiesInBoundingBox(-1e-4, -1e-4, -1e-4, 1e-4, 1e-4, 1e-4, dim=0)
+        gmsh.model.addPhysicalGroup(0, [corner[0][1]], name="nodes:corner")
+        edge = gmsh.model.getEntitiesInBoundingBox(-1e-4, -1e-4, 1 - 1e-4, 1e-4, 1 + 1e-4, 1 + 1e-4, dim=1)
+        gmsh.model.addPhysicalGroup(1, [edge[0][1]], name="edge")
+
+    def check_stack(self, shape):
+        mesh = self.converted("--node-set", "edge")
+        self.assertEqual({n: s for n, (s, _) in mesh.blocks.items()}, {"lower": shape, "upper": shape})
+        self.assertEqual(mesh.format, "NETCDF3_64BIT_OFFSET")
+        for name in mesh.blocks:
+            self.assertGreater(mesh.volumes(name).min(), 0)
+            self.assertAlmostEqual(mesh.volumes(name).sum(), 1)
+        expected = {"top": (0, 0, 1), "left": (-2, 0, 0), "lower_middle": (0, 0, 1), "upper_middle": (0, 0, -1)}
+        self.assertEqual(set(mesh.side_sets), set(expected))
+        for name, vector in expected.items():
+            np.testing.assert_allclose(mesh.area_vector(name)[0], vector, atol=1e-12, err_msg=name)
+            self.assertAlmostEqual(mesh.area_vector(name)[1], np.linalg.norm(vector))
+        self.assertEqual(set(mesh.node_sets), {"corner", "edge"})
+        np.testing.assert_allclose(mesh.x[mesh.node_sets["corner"]], [[0, 0, 0]], atol=1e-12)
+        on_edge = mesh.x[mesh.node_sets["edge"]]
+        self.assertEqual(len(on_edge), 5)
+        np.testing.assert_allclose(on_edge[:, [0, 2]], np.tile([0, 1], (5, 1)), atol=1e-12)
+        for kind, ids in mesh.ids.items():
+            self.assertEqual(len(set(ids)), len(ids), kind)
+
+    def test_hexahedra(self):
+        self.save_stack(hexahedra=True)
+        self.check_stack("HEX8")
+
+    def test_tetrahedra(self):
+        self.save_stack(hexahedra=False)
+        self.check_stack("TETRA4")
+
+    def test_unused_groups_are_mentioned(self):
+        self.save_stack(hexahedra=True)
+        self.assertIn("'edge'", convert(self.msh, self.exo).stderr)
+        self.assertEqual(convert(self.msh, self.exo, "--node-set", "edge").stderr, "")
+
+    def test_split_makes_matching_contact_surfaces(self):
+        self.save_stack(hexahedra=True)
+        glued = self.converted("--node-set", "edge")
+        mesh = self.converted("--split", "middle", "--node-set", "edge")
+        self.assertEqual(len(mesh.x), len(glued.x) + 25)
+        lower, upper = (mesh.set_nodes(n) for n in ("lower_middle", "upper_middle"))
+        self.assertEqual(len(np.intersect1d(lower, upper)), 0)
+        key = lambda nodes: sorted(map(tuple, mesh.x[nodes].round(12)))
+        self.assertEqual(key(lower), key(upper))
+        self.assertEqual(len(lower), 25)
+        self.assertEqual(len(mesh.node_sets["edge"]), 10, "a node set holds both copies")
+        self.assertIsNone(mesh.node_map, "gmsh numbered 1..n, the copies go on from there")
+        np.testing.assert_allclose(mesh.area_vector("left")[0], (-2, 0, 0), atol=1e-12)
+
+    def test_partial_split_keeps_its_tip_glued(self):
+        self.save_stack(hexahedra=True, depth=0.5)
+        mesh = self.converted("--split", "middle")
+        lower, upper = (mesh.set_nodes(n) for n in ("lower_middle", "upper_middle"))
+        shared = np.intersect1d(lower, upper)
+        self.assertEqual((len(lower), len(upper), len(shared)), (25, 25, 5))
+        np.testing.assert_allclose(mesh.x[shared, 0], 0.5, atol=1e-12)
+
+    def test_side_of_keeps_one_side(self):
+        self.save_stack(hexahedra=True)
+        mesh = self.converted("--side-of", "middle=upper")
+        np.testing.assert_allclose(mesh.area_vector("middle")[0], (0, 0, -1), atol=1e-12)
+        self.assertNotIn("upper_middle", mesh.side_sets)
+        self.exo.unlink()
+        self.assertIn("touches lower, upper", self.refused("--side-of", "middle=nothing"))
+
+    def test_surfaces_on_double_nodes_go_to_their_own_bodies(self):
+        upper = {t + 100: (x, y, z + 1) for t, (x, y, z) in CUBE.items()}
+        msh2(self.msh, [(3, 1, "lower"), (3, 2, "upper"), (2, 1, "down"), (2, 2, "up")], {**CUBE, **upper},
+             [(5, 1, 1, tuple(CUBE)), (5, 2, 2, tuple(upper)), TOP, (3, 2, 2, (111, 112, 113, 114))])
+        mesh = self.converted()
+        np.testing.assert_allclose(mesh.area_vector("down")[0], (0, 0, 1))
+        np.testing.assert_allclose(mesh.area_vector("up")[0], (0, 0, -1))
+        self.assertEqual(list(mesh.node_map), sorted([*CUBE, *upper]))
+
+    def test_left_handed_elements_are_mirrored(self):
+        mirrored = (25, 26, 27, 28, 11, 12, 13, 14)
+        msh2(self.msh, [(3, 1, "cube"), (2, 1, "top")], CUBE, [(5, 1, 1, mirrored), TOP])
+        mesh = self.converted()
+        np.testing.assert_allclose(mesh.volumes("cube"), [1])
+        np.testing.assert_allclose(mesh.area_vector("top")[0], (0, 0, 1))
+        msh2(self.msh, [(3, 1, "tet")], CUBE, [(4, 1, 1, (11, 14, 12, 25))])
+        np.testing.assert_allclose(self.converted().volumes("tet"), [1 / 6])
+
+    def test_every_side_of_both_shapes(self):
+        """Each facet of one element as a side set of its own: all rows of the side tables."""
+        cubes = {"HEX8": (5, 3, tuple(CUBE)), "TETRA4": (4, 2, (11, 12, 14, 25))}
+        for shape, (kind, facet_kind, corners) in cubes.items():
+            sides = SIDE_NODES[shape]
+            facets = {f"side{n}": tuple(corners[i - 1] for i in reversed(nodes)) for n, nodes in sides.items()}
+            msh2(self.msh, [(3, 1, "body"), *((2, k, n) for k, n in enumerate(facets, 1))], CUBE,
+                 [(kind, 1, 1, corners), *((facet_kind, k, k, f) for k, f in enumerate(facets.values(), 1))])
+            mesh = self.converted()
+            centre = mesh.x[mesh.blocks["body"][1][0]].mean(axis=0)
+            for number in sides:
+                nodes = mesh.set_nodes(f"side{number}")
+                self.assertEqual(list(mesh.side_sets[f"side{number}"][1]), [number], shape)
+                self.assertGreater(mesh.area_vector(f"side{number}")[0] @ (mesh.x[nodes].mean(axis=0) - centre), 0.01)
+
+    def test_long_names_are_kept(self):
+        name = "root_flank_of_the_third_stage_rotor_blade_pressure_side"
+        msh2(self.msh, [(3, 1, "cube"), (2, 1, name)], CUBE, [(5, 1, 1, tuple(CUBE)), TOP])
+        self.assertEqual(list(self.converted("--title", "a title").side_sets), [name])
+        self.assertEqual(Exodus(self.exo).title, "a title")
+
+    def test_folded_element_is_refused(self):
+        msh2(self.msh, [(3, 1, "cube")], CUBE, [(5, 1, 1, (11, 13, 12, 14, 25, 26, 27, 28))])
+        self.assertIn("flat or folded", self.refused())
+
+    def test_other_shapes_are_refused_by_name(self):
+        msh2(self.msh, [(3, 1, "wedge")], CUBE, [(6, 1, 1, (11, 12, 13, 25, 26, 27))])
+        self.assertIn("'Prism 6'", self.refused())
+
+    def test_missing_and_uncovered_volumes(self):
+        msh2(self.msh, [(2, 1, "top")], CUBE, [TOP])
+        self.assertIn("no physical volume", self.refused())
+        self.save_stack(hexahedra=True, physical=("lower",))
+        gmsh.option.setNumber("Mesh.SaveAll", 1)
+        gmsh.write(str(self.msh))
+        self.assertIn("in no physical volume", self.refused())
+
+    def test_surface_inside_a_block(self):
+        upper = {t + 100: (x, y, 2) for t, (x, y, z) in CUBE.items() if z == 1}
+        msh2(self.msh, [(3, 1, "both"), (2, 1, "inside")], {**CUBE, **upper},
+             [(5, 1, 1, tuple(CUBE)), (5, 1, 1, (25, 26, 27, 28, *upper)), TOP])
+        self.assertIn("runs inside block 'both'", self.refused())
+
+    def test_surface_apart_from_the_volumes(self):
+        apart = {t + 100: (x, y, 5) for t, (x, y, z) in CUBE.items() if z == 1}
+        msh2(self.msh, [(3, 1, "cube"), (2, 1, "lost")], {**CUBE, **apart}, [(5, 1, 1, tuple(CUBE)), (3, 1, 1, tuple(apart))])
+        self.assertIn("'lost' are no side of a volume element", self.refused())
+
+    def test_wrong_options(self):
+        msh2(self.msh, [(3, 1, "cube"), (2, 1, "top")], CUBE, [(5, 1, 1, tuple(CUBE)), TOP])
+        self.assertRegex(self.refused("--node-set", "tip"), "there are: (cube, top|top, cube)")
+        self.assertIn("must lie between two blocks", self.refused("--split", "top"))
+        self.assertIn("SURFACE=BLOCK", self.refused("--side-of", "top"))
+        self.msh.unlink()
+        self.assertIn("cannot read", self.refused())
+
+
+if __name__ == "__main__":
+    result = unittest.main(exit=False, verbosity=2).result
+    sys.exit(1 if not result.wasSuccessful() else SKIPPED if gmsh is None else 0)
