@@ -44,9 +44,10 @@ void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp 
         s[row] = alpha * sum;
       }
     }
-    if (beta == 0.0) y.putScalar(0.0);
-    else y.scale(beta);
-    y.doExport(overlap, multipliers_->importer(), Tpetra::ADD);
+    // Tpetra 13.2 adds only what comes from other ranks; what is here already would be replaced.
+    MultiVector sum(y.getMap(), columns);
+    sum.doExport(overlap, multipliers_->importer(), Tpetra::ADD);
+    y.update(1.0, sum, beta);
     return;
   }
   overlap.doImport(x, multipliers_->importer(), Tpetra::INSERT);
