@@ -76,7 +76,7 @@ std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elemen
   std::vector<idx_t> part(elements.size(), 0);
   if (parts > 1) {
     const int status = METIS_PartGraphKway(&n, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr, nullptr,
-                                           &count, nullptr, nullptr, options, part.data(), &cut);
+                                           &count, nullptr, nullptr, options, &cut, part.data());
     TEUCHOS_TEST_FOR_EXCEPTION(status != METIS_OK, std::runtime_error, "METIS_PartGraphKway failed with status " << status);
   }
   return std::vector<int>(part.begin(), part.end());

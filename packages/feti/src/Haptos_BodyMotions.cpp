@@ -85,9 +85,9 @@ Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
   return w / w.norm();
 }
 
-UnheldMotions findUnheldMotions(const Communicator& comm, const NaturalCoarseSpace& G, const BodyMotions& bodies) {
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const BodyMotions& bodies) {
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; round-off of the gluing rows is 1e-16
-  const Eigen::SparseMatrix<double> rows = G.rows() * bodies.Z();
+  const Eigen::SparseMatrix<double> rows = GT * bodies.Z();
   Eigen::MatrixXd A = Eigen::MatrixXd(Eigen::SparseMatrix<double>(rows.transpose() * rows));
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);

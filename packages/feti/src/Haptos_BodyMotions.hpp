@@ -46,8 +46,8 @@ struct UnheldMotions {
   std::vector<int> pivots;  ///< [k] 6 body + motion
 };
 
-/// Collective.
-UnheldMotions findUnheldMotions(const Communicator& comm, const NaturalCoarseSpace& G, const BodyMotions& bodies);
+/// \param rows G^T on this rank's rows, or some of them (the others empty).  Collective.
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const BodyMotions& bodies);
 
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
 ///

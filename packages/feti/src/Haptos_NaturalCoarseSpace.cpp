@@ -37,13 +37,12 @@ std::vector<Piece> localPieces(const MultiplierMap& multipliers, const LocalSyst
 
 std::vector<Piece> sendToOwners(const MultiplierMap& multipliers, const std::vector<Piece>& pieces) {
   const auto comm = multipliers.map()->getComm();
-  std::vector<GlobalOrdinal> rows;
-  for (const auto& piece : pieces) rows.push_back(piece.row);
+  // Every row once: Tpetra 13.2's directory leaves the second of two equal indices without an answer.
+  const auto rows = localElementList(*multipliers.overlapMap());
   std::vector<int> ranks(rows.size());
-  multipliers.map()->getRemoteIndexList(Teuchos::ArrayView<const GlobalOrdinal>(rows.data(), rows.size()),
-                                        Teuchos::ArrayView<int>(ranks.data(), ranks.size()));
+  multipliers.map()->getRemoteIndexList(rows, Teuchos::ArrayView<int>(ranks.data(), ranks.size()));
   std::vector<std::vector<Piece>> outgoing(comm->getSize());
-  for (std::size_t i = 0; i < pieces.size(); ++i) outgoing[ranks[i]].push_back(pieces[i]);
+  for (const auto& piece : pieces) outgoing[ranks[multipliers.overlapMap()->getLocalElement(piece.row)]].push_back(piece);
   std::vector<Bytes> messages;
   for (const auto& part : outgoing) {
     ByteWriter writer;

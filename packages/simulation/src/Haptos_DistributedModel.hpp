@@ -1,10 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <vector>
+
 #include "Haptos_ModelBuilder.hpp"
 #include "Haptos_MultiplierMap.hpp"
 #include "Haptos_RunClock.hpp"
 
 namespace Haptos {
+
+/// \brief Forces on mesh nodes [force] by node index and place; asked for every node that has elements, on all ranks.
+using NodalForces = std::function<std::array<double, 3>(std::int64_t node, const std::array<double, 3>& x)>;
 
 /// \brief The model, dealt to the ranks: every rank has its subdomains and its rows, rank 0 also the mesh.
 struct DistributedModel {
@@ -14,6 +22,7 @@ struct DistributedModel {
   int firstSubdomain = 0, numSubdomains = 0;
   long primalUnknowns = 0;            ///< n, over all ranks
   RCP<const MultiplierMap> multipliers;
+  std::vector<NodalForces> nodalForces;  ///< beside data.loads
   GlobalModel global;                 ///< rank 0 only: mesh, interfaces, prescribed displacements
 };
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_FetiSystem.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "Haptos_Error.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
@@ -37,6 +39,31 @@ void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd>
   }
 }
 
+// In how many subdomains of all ranks every mesh node lies.  Collective.
+std::vector<int> countCopies(const Communicator& comm, const std::vector<Subdomain>& subdomains) {
+  std::int64_t mine = 0, size = 0;  // nodes ascend in a subdomain
+  for (const auto& sub : subdomains)
+    if (!sub.nodes.empty()) mine = std::max(mine, sub.nodes.back() + 1);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(size));
+  std::vector<int> count(std::size_t(size), 0), all(std::size_t(size), 0);
+  for (const auto& sub : subdomains)
+    for (auto node : sub.nodes) ++count[node];
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(size), count.data(), all.data());
+  return all;
+}
+
+// The copies of a node share its force equally.
+void addForces(const Subdomain& sub, const std::vector<int>& copies, const NodalForces& forces, Eigen::Ref<Eigen::VectorXd> f) {
+  for (int i = 0; i < sub.numNodes(); ++i) {
+    const auto force = forces(sub.nodes[i], sub.coordinates[i]);
+    for (int d = 0; d < 3; ++d) {
+      if (!std::isfinite(force[d]))
+        throw InputError("The nodal force at node " + std::to_string(sub.nodes[i] + 1) + " of the mesh is not finite.");
+      f[3 * i + d] += force[d] / copies[sub.nodes[i]];
+    }
+  }
+}
+
 // Runs work that may throw on one rank alone, and lets all ranks throw.
 template <class Work>
 void runTogether(const Communicator& comm, Work&& work) {
@@ -63,6 +90,7 @@ void FetiSystem::assembleLoads() {
     for (std::size_t i = 0; i < model_.subdomains.size(); ++i) {
       Eigen::Map<Eigen::VectorXd> f(data.getRawPtr() + jump_->primalOffsets()[i], model_.subdomains[i].numDofs());
       for (const auto& load : model_.data.loads) addLoad(model_.subdomains[i], load, f);
+      for (const auto& forces : model_.nodalForces) addForces(model_.subdomains[i], copies_, forces, f);
     }
   }
   c_ = Teuchos::rcp(new Vector(model_.multipliers->map()));
@@ -71,6 +99,7 @@ void FetiSystem::assembleLoads() {
 }
 
 void FetiSystem::assemble() {
+  if (!model_.nodalForces.empty()) copies_ = countCopies(*model_.comm, model_.subdomains);
   runTogether(*model_.comm, [&] {
     systems_->assemble(model_.subdomains, model_.data.materials, model_.data.formulation);
     assembleLoads();
@@ -79,7 +108,7 @@ void FetiSystem::assemble() {
   bodies_ = std::make_unique<BodyMotions>(*model_.comm, model_.subdomains, *systems_, model_.numSubdomains, model_.data.bodyNames);
   const Eigen::VectorXd e = G_->restrictLoad(*f_, *systems_);
   const double loadScale = f_->norm2();
-  holds_ = holdUnheldMotions(findUnheldMotions(*model_.comm, *G_, *bodies_), *bodies_, e, loadScale);
+  holds_ = holdUnheldMotions(findUnheldMotions(*model_.comm, G_->rows(), *bodies_), *bodies_, e, loadScale);
   requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
 }
 

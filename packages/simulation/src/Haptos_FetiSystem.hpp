@@ -46,6 +46,7 @@ class FetiSystem {
   std::unique_ptr<BodyMotions> bodies_;
   CoarseProblem::Holds holds_;
   RCP<Vector> f_, c_;
+  std::vector<int> copies_;  ///< [mesh nodes] subdomains that share a node; only for nodal forces
   DualProblem dual_;
   RCP<const DualPreconditioner> preconditioner_;
 };

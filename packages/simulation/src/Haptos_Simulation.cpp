@@ -10,6 +10,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_PcpgSolver.hpp"
 #include "Haptos_SmalseContactSolver.hpp"
+#include "Haptos_SubspaceNewtonSolver.hpp"
 
 namespace Haptos {
 namespace {
@@ -72,6 +73,7 @@ void Simulation::prepare() {
         requireWritableFolder(output.get<std::string>(name), std::string("Output->") + name);
   });
   model_ = std::make_unique<DistributedModel>(distributeModel(comm_, parameters_, source_, clock_));
+  model_->nodalForces = nodalForces_;
   {
     const auto scope = clock_.time(Phase::Assemble);
     system_ = std::make_unique<FetiSystem>(*model_);
@@ -124,16 +126,17 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
                         formatted("%.1e", entry.residual) + ", stick " + std::to_string(entry.stick) + ", slip " +
                         std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
   }};
-  if (method == "PCPG") {
-    const auto type = parameters_.sublist("Preconditioner").get<std::string>("Type");
-    if (type != "None") {
-      const auto scope = clock_.time(Phase::Factor);
-      system_->makePreconditioner(type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet,
-                                  localMethod(parameters_));
-    }
-    return std::make_unique<PcpgSolver>(context);
+  if (method == "SMALSE") return std::make_unique<SmalseContactSolver>(context, list.sublist("SMALSE"));
+  const auto type = parameters_.sublist("Preconditioner").get<std::string>("Type");
+  if (type != "None") {
+    const auto scope = clock_.time(Phase::Factor);
+    system_->makePreconditioner(type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet,
+                                localMethod(parameters_));
   }
-  return std::make_unique<SmalseContactSolver>(context, list.sublist("SMALSE"));
+  if (method == "PCPG") return std::make_unique<PcpgSolver>(context);
+  if (type == "None")
+    throw InputError("Preconditioner->Type: Subspace Newton needs a preconditioner; use Dirichlet or Lumped");
+  return std::make_unique<SubspaceNewtonSolver>(context);
 }
 
 Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {

@@ -36,6 +36,9 @@ class Simulation {
              const SourceMesh* source = nullptr);
   ~Simulation();
 
+  /// \brief Adds forces on single nodes, beside the loads of the parameters; before `prepare`, the same on all ranks.
+  void addNodalForces(NodalForces forces) { nodalForces_.push_back(std::move(forces)); }
+
   /// \throws InputError, InsufficientModel on all ranks
   void prepare();
   SimulationResult solve();
@@ -58,6 +61,7 @@ class Simulation {
   Teuchos::ParameterList parameters_;
   Progress* progress_;
   const SourceMesh* source_;
+  std::vector<NodalForces> nodalForces_;
   RunClock clock_;
   std::unique_ptr<DistributedModel> model_;
   std::unique_ptr<FetiSystem> system_;

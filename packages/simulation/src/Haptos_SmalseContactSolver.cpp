@@ -5,9 +5,9 @@
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
-#include <cmath>
 
 #include "Haptos_CoulombFixedPoint.hpp"
+#include "Haptos_KktEstimator.hpp"
 #include "Haptos_SmalseSolMgr.hpp"
 
 namespace Haptos {
@@ -64,6 +64,8 @@ std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, dou
 }
 
 struct SmalseContactSolver::Impl {
+  explicit Impl(const SolverContext& context) : estimator(context.system, context.loads) {}
+  KktEstimator estimator;
   RCP<MultiVector> x;
   std::unique_ptr<CoulombFixedPoint> fixedPoint;
   RCP<FetiProgram> program;
@@ -73,7 +75,7 @@ struct SmalseContactSolver::Impl {
 };
 
 SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start)
-    : context_(std::move(context)), impl_(std::make_unique<Impl>()) {
+    : context_(std::move(context)), impl_(std::make_unique<Impl>(context_)) {
   const FetiSystem& system = context_.system;
   const DualProblem& dual = system.dual();
   impl_->multiplicationsAtStart = dual.F->applications();
@@ -107,45 +109,10 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
   return passed && dual.F->applications() <= request.maximumMultiplications;
 }
 
-void SmalseContactSolver::updateDisplacementScale(const Vector& lambda, const Vector& s) {
-  const FetiSystem& system = context_.system;
-  const auto u = recoverPrimal(system.dual(), system.f(), system.c(), lambda, s);
-  const auto data = u->getData(0);
-  double mine = 0;
-  for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));
-  Teuchos::reduceAll(*system.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(uRef_));
-}
-
 double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {
-  const FetiSystem& system = context_.system;
-  const DualProblem& dual = system.dual();
-  const Vector lambda(*x.getVector(0), Teuchos::Copy);
   Vector s(*gradient.getVector(0), Teuchos::Copy);
   s.scale(-1.0);
-  const auto measure = [&] {
-    const LoadScales reactions = measureReactions(system.jump().multipliers(), lambda);
-    const KktScales scales{uRef_, std::max(context_.loads.largest, reactions.largest)};
-    KktErrors errors = measureContact(system.law(), lambda, s, scales);
-    const double ext = std::max(context_.loads.norm, reactions.norm);
-    const Eigen::MatrixXd imbalance = dual.G->applyG(lambda) - dual.e;
-    errors.equilibrium = ext > 0 ? imbalance.norm() / ext : 0.0;
-    // An orthonormal row of two copies is their difference over sqrt(2).
-    double jump = 0, largest = 0;
-    const auto data = s.getData(0);
-    const auto& kinds = system.jump().multipliers().kinds();
-    for (std::size_t row = 0; row < kinds.size(); ++row)
-      if (kinds[row] == RowKind::Gluing || kinds[row] == RowKind::Dirichlet) jump = std::max(jump, std::abs(data[row]));
-    Teuchos::reduceAll(*system.model().comm, Teuchos::REDUCE_MAX, jump, Teuchos::outArg(largest));
-    errors.continuity = uRef_ > 0 ? std::sqrt(2.0) * largest / uRef_ : (largest > 0 ? 1.0 : 0.0);
-    return errors.kkt();
-  };
-  if (uRef_ <= 0) updateDisplacementScale(lambda, s);
-  double kkt = measure();
-  if (kkt <= impl_->tolerance) {  // looks solved: measure once more by its own displacements
-    updateDisplacementScale(lambda, s);
-    kkt = measure();
-  }
-  return kkt;
+  return impl_->estimator.estimate(*x.getVector(0), s, impl_->tolerance).kkt();
 }
 
 void SmalseContactSolver::record(double residual) {

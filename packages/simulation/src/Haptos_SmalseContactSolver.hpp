@@ -27,7 +27,6 @@ class SmalseContactSolver final : public ContactSolver {
  private:
   struct Impl;
   double estimateKkt(const MultiVector& lambda, const MultiVector& gradient);
-  void updateDisplacementScale(const Vector& lambda, const Vector& s);
   void record(double residual);
 
   SolverContext context_;
@@ -35,7 +34,6 @@ class SmalseContactSolver final : public ContactSolver {
   DualSolution solution_;
   std::string reason_;
   std::vector<HistoryEntry> history_;
-  double uRef_ = -1;
 };
 
 }  // namespace Haptos

@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_BalanceProjections.hpp"
+
+#include <Eigen/Dense>
+
+namespace Haptos {
+namespace {
+
+Eigen::VectorXd solveOne(const CoarseProblem& problem, const Eigen::VectorXd& b) { return problem.solve(b); }
+
+// Scales rows of G^T: `keep` is 1 on gluing rows and 0 on contact rows.
+CoarseRows keepGluingRows(const CoarseRows& rows, const DualVectors& vectors) {
+  Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
+  for (int row : vectors.gluingRows()) keep[row] = 1;
+  CoarseRows result = keep.asDiagonal() * rows;
+  result.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0.0; });
+  return result;
+}
+
+}  // namespace
+
+GluingBalance::GluingBalance(const DualProblem& dual, const BodyMotions& bodies, const DualVectors& vectors)
+    : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(dual.G->rows(), vectors)), coarseSize_(dual.G->dimension()) {
+  const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, bodies);
+  for (int pivot : floating.pivots) holds_.push_back(bodies.hold(pivot / 6, pivot % 6));
+  EE_ = std::make_unique<CoarseProblem>(vectors.comm(), gluingRows_, std::vector<double>{}, holds_);
+  const Eigen::MatrixXd Z = bodies.Z() * floating.basis;
+  Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
+  if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
+  jumps_ = dual.G->rows() * Zk_;
+  H_.resize(3 * vectors.numPairs(), Zk_.cols());
+  for (Eigen::Index j = 0; j < Zk_.cols(); ++j) H_.col(j) = vectors.contact(jumps_.col(j));
+  load_ = Zk_.transpose() * dual.e;
+}
+
+Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
+  Eigen::VectorXd g = dual_.G->rows().transpose() * v;
+  vectors_.sum(g);
+  return g;
+}
+
+void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
+  v -= gluingRows_ * solveOne(*EE_, applyG(v) - target);
+}
+
+void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
+  Eigen::VectorXd g = gluingRows_.transpose() * s;
+  vectors_.sum(g);
+  Eigen::VectorXd a = solveOne(*EE_, g);
+  a -= Zk_ * (Zk_.transpose() * a);
+  s -= dual_.G->rows() * a;
+}
+
+ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const DualVectors& vectors,
+                                               const std::vector<PairLaw>& pairs, const LawLinearization& law,
+                                               const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
+                                               const CoarseProblem::Holds& holds)
+    : vectors_(vectors), weights_(weights) {
+  constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (int row : vectors.gluingRows()) triplets.emplace_back(row, row, 1.0);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (law.closed[i]) triplets.emplace_back(pairs[i].normal, pairs[i].normal, 1.0);
+    if (!law.tangential[i]) continue;
+    const Eigen::Matrix2d Y = modes[i].E * modes[i].theta.cwiseSqrt().asDiagonal() * modes[i].E.transpose();
+    for (int a = 0; a < 2; ++a)
+      for (int b = 0; b < 2; ++b)
+        if (Y(a, b) != 0.0) triplets.emplace_back(pairs[i].tangential[a], pairs[i].tangential[b], Y(a, b));
+  }
+  CoarseRows Y(dual.G->rows().rows(), dual.G->rows().rows());
+  Y.setFromTriplets(triplets.begin(), triplets.end());
+  rows_ = Y * dual.G->rows();
+  CoarseProblem::Holds weak = holds;
+  for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
+  coarse_ = std::make_unique<CoarseProblem>(vectors.comm(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);
+}
+
+void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
+  Eigen::VectorXd g = rows_.transpose() * weights_.cwiseProduct(residual);
+  vectors_.sum(g);
+  residual -= rows_ * solveOne(*coarse_, g);
+}
+
+void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const {
+  Eigen::VectorXd g = rows_.transpose() * z;
+  vectors_.sum(g);
+  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * solveOne(*coarse_, g)));
+}
+
+}  // namespace Haptos

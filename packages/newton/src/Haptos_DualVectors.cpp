@@ -1,0 +1,82 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DualVectors.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Operator.hpp>
+#include <Tpetra_Vector.hpp>
+#include <cmath>
+
+#include "Haptos_TpetraCompat.hpp"
+
+namespace Haptos {
+
+DualVectors::DualVectors(RCP<const Map> map, const ContactLaw& law, const MultiplierMap& multipliers)
+    : map_(std::move(map)), law_(law), numRows_(Eigen::Index(localNumElements(*map_))) {
+  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
+    if (multipliers.kinds()[row] == RowKind::Gluing || multipliers.kinds()[row] == RowKind::Dirichlet)
+      gluingRows_.push_back(int(row));
+}
+
+Eigen::VectorXd DualVectors::gluing(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd part(Eigen::Index(gluingRows_.size()));
+  for (std::size_t i = 0; i < gluingRows_.size(); ++i) part[Eigen::Index(i)] = x[gluingRows_[i]];
+  return part;
+}
+
+Eigen::VectorXd DualVectors::contact(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd values(3 * numPairs());
+  for (Eigen::Index i = 0; i < numPairs(); ++i) {
+    const auto triple = ContactLaw::gather(law_.pairs()[std::size_t(i)], x.data());
+    for (int d = 0; d < 3; ++d) values[3 * i + d] = triple[d];
+  }
+  return values;
+}
+
+void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const {
+  for (Eigen::Index i = 0; i < numPairs(); ++i) {
+    const PairLaw& pair = law_.pairs()[std::size_t(i)];
+    x[pair.normal] = values[3 * i];
+    for (int t = 0; t < 2; ++t)
+      if (pair.tangential[t] >= 0) x[pair.tangential[t]] = values[3 * i + 1 + t];
+  }
+}
+
+Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x) const {
+  const auto in = toVector(x);
+  Vector out(map_);
+  op.apply(*in, out);
+  return fromVector(out);
+}
+
+void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {
+  if (map_->getComm()->getSize() == 1 || values.size() == 0) return;
+  const Eigen::MatrixXd mine = values;
+  Eigen::MatrixXd total(mine.rows(), mine.cols());
+  Teuchos::reduceAll(*map_->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), total.data());
+  values = total;
+}
+
+double DualVectors::sum(double value) const {
+  double total = 0;
+  Teuchos::reduceAll(*map_->getComm(), Teuchos::REDUCE_SUM, value, Teuchos::outArg(total));
+  return total;
+}
+
+double DualVectors::norm(const Eigen::VectorXd& x) const { return std::sqrt(sum(x.squaredNorm())); }
+
+RCP<Vector> DualVectors::toVector(const Eigen::VectorXd& x) const {
+  auto v = Teuchos::rcp(new Vector(map_));
+  const auto data = v->getDataNonConst(0);
+  std::copy(x.data(), x.data() + x.size(), data.begin());
+  return v;
+}
+
+Eigen::VectorXd DualVectors::fromVector(const Vector& x) {
+  const auto data = x.getData(0);
+  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+}
+
+const Communicator& DualVectors::comm() const { return *map_->getComm(); }
+
+}  // namespace Haptos

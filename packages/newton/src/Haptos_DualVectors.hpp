@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief This rank's part of dual vectors as plain arrays, and the sums over ranks that they need.
+///
+/// "Gluing rows" are the gluing and Dirichlet rows; "contact values" are (N, T1, T2) of every owned pair, 3 x pairs,
+/// 0 where a pair has no tangential rows.
+class DualVectors {
+ public:
+  DualVectors(RCP<const Map> map, const ContactLaw& law, const MultiplierMap& multipliers);
+
+  Eigen::Index numRows() const { return numRows_; }
+  Eigen::Index numPairs() const { return Eigen::Index(law_.pairs().size()); }
+  const std::vector<int>& gluingRows() const { return gluingRows_; }
+
+  Eigen::VectorXd gluing(const Eigen::VectorXd& x) const;
+  Eigen::VectorXd contact(const Eigen::VectorXd& x) const;
+  void setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const;
+
+  /// \brief y := Op x.  Collective.
+  Eigen::VectorXd apply(const Operator& op, const Eigen::VectorXd& x) const;
+
+  /// \brief Sums over the ranks, in place.  Collective, one reduction.
+  void sum(Eigen::Ref<Eigen::MatrixXd> values) const;
+  double sum(double value) const;
+  double norm(const Eigen::VectorXd& x) const;
+
+  RCP<Vector> toVector(const Eigen::VectorXd& x) const;
+  static Eigen::VectorXd fromVector(const Vector& x);
+
+  const Communicator& comm() const;
+  const RCP<const Map>& map() const { return map_; }
+
+ private:
+  RCP<const Map> map_;
+  const ContactLaw& law_;
+  Eigen::Index numRows_;
+  std::vector<int> gluingRows_;
+};
+
+}  // namespace Haptos

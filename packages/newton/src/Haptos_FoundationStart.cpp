@@ -1,0 +1,90 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_FoundationStart.hpp"
+
+#include <Eigen/Dense>
+
+namespace Haptos {
+namespace {
+
+struct State {
+  Eigen::VectorXd a, forces, h;  // h = H^T P - load, in orthonormal motions
+  Eigen::MatrixXd J;
+};
+
+class Foundation {
+ public:
+  Foundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, double r, const Eigen::MatrixXd& H,
+             const Eigen::VectorXd& load, const DualVectors& vectors)
+      : pairs_(pairs), x_(x), r_(r), H_(H), load_(load), vectors_(vectors) {}
+
+  State evaluate(const Eigen::VectorXd& a) const {
+    const Eigen::VectorXd x = x_ + r_ * (H_ * a);
+    const auto law = linearizeLaw(pairs_, x, Eigen::VectorXd::Zero(x.size()), 1.0);
+    State state{a, x - law.phi, {}, {}};
+    Eigen::MatrixXd PH(H_.rows(), H_.cols());
+    for (std::size_t i = 0; i < law.dP.size(); ++i)
+      PH.middleRows<3>(3 * Eigen::Index(i)) = r_ * law.dP[i] * H_.middleRows<3>(3 * Eigen::Index(i));
+    Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
+    sums << H_.transpose() * PH, H_.transpose() * state.forces;
+    vectors_.sum(sums);
+    state.J = sums.leftCols(H_.cols());
+    state.h = sums.rightCols(1) - load_;
+    return state;
+  }
+
+  // Everything closed and sticking.
+  Eigen::VectorXd stuck() const {
+    Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
+    sums << r_ * (H_.transpose() * H_), H_.transpose() * x_;
+    vectors_.sum(sums);
+    return Eigen::MatrixXd(sums.leftCols(H_.cols())).completeOrthogonalDecomposition().solve(load_ - sums.rightCols(1));
+  }
+
+  bool step(State& state) const {
+    for (double mu : {0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0, 10.0}) {
+      Eigen::MatrixXd J = state.J;
+      J.diagonal().array() += mu * r_;
+      const Eigen::VectorXd da = -J.fullPivLu().solve(state.h);
+      if (!da.allFinite()) continue;
+      for (double t = 1; t > 1e-2; t /= 2) {
+        State next = evaluate(state.a + t * da);
+        if (next.h.norm() < (1 - 1e-3 * t) * state.h.norm()) {
+          state = std::move(next);
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+ private:
+  const std::vector<PairLaw>& pairs_;
+  const Eigen::VectorXd& x_;
+  double r_;
+  const Eigen::MatrixXd& H_;
+  const Eigen::VectorXd& load_;
+  const DualVectors& vectors_;
+};
+
+}  // namespace
+
+FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, double r,
+                                const GluingBalance& balance, const DualVectors& vectors) {
+  // In motions that are orthonormal on the contact surface the equations are well scaled.
+  Eigen::MatrixXd HH = balance.H().transpose() * balance.H();
+  vectors.sum(HH);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(HH);
+  Eigen::VectorXd scale = eigen.eigenvalues();
+  for (double& value : scale) value = value > 1e-14 * eigen.eigenvalues().maxCoeff() ? 1 / std::sqrt(value) : 0.0;
+  const Eigen::MatrixXd S = eigen.eigenvectors() * scale.asDiagonal();
+  const Eigen::MatrixXd H = balance.H() * S;
+  const Eigen::VectorXd load = S.transpose() * balance.load();
+  const Foundation foundation(pairs, x, r, H, load, vectors);
+  const double loadNorm = load.norm();
+  State state = foundation.evaluate(foundation.stuck());
+  for (int i = 0; i < 100 && state.h.norm() > 1e-12 * loadNorm; ++i)
+    if (!foundation.step(state)) break;
+  return {S * state.a, state.forces, loadNorm > 0 ? state.h.norm() / loadNorm : state.h.norm()};
+}
+
+}  // namespace Haptos

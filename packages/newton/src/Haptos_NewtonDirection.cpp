@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_NewtonDirection.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Exchange.hpp"
+
+namespace Haptos {
+
+double globalMedian(const Communicator& comm, const std::vector<double>& values) {
+  ByteWriter writer;
+  writer.write(values);
+  std::vector<double> all;
+  for (const auto& message : gatherOnAll(comm, writer.take())) {
+    const auto part = ByteReader(message).readVector<double>();
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  if (all.empty()) return 0;
+  std::sort(all.begin(), all.end());
+  const std::size_t n = all.size();
+  return n % 2 == 1 ? all[n / 2] : 0.5 * (all[n / 2 - 1] + all[n / 2]);
+}
+
+NewtonDirection::NewtonDirection(const DualProblem& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM,
+                                 const DualVectors& vectors, const GluingBalance& balance)
+    : dual_(dual), M_(M), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM) {
+  const Eigen::VectorXd contact = vectors.contact(stiffness_);
+  std::vector<double> normal, all;
+  for (Eigen::Index i = 0; i < vectors.numPairs(); ++i)
+    if (contact[3 * i] > 0) normal.push_back(contact[3 * i]);
+  for (double value : stiffness_)
+    if (value > 0) all.push_back(value);
+  medianStiffness_ = globalMedian(vectors.comm(), normal);
+  const double median = globalMedian(vectors.comm(), all);
+  if (medianStiffness_ <= 0) medianStiffness_ = median;
+  weights_ = stiffness_ / (median > 0 ? median : 1.0);
+}
+
+double NewtonDirection::tangentialStiffness(const PairLaw& pair) const {
+  return 0.5 * (stiffness_[pair.tangential[0]] + stiffness_[pair.tangential[1]]);
+}
+
+void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
+  double changed = isPrepared_ && preparedFor_ == law.dP ? 0.0 : 1.0;
+  if (vectors_.sum(changed) == 0.0) return;  // all ranks or none: building it communicates
+  preparedFor_ = law.dP;
+  isPrepared_ = true;
+  modes_.resize(pairs.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
+  coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds());
+}
+
+Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {
+  Eigen::VectorXd result = point.s;  // gluing and Dirichlet rows
+  Eigen::VectorXd contact = Eigen::VectorXd::Zero(point.phi.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Eigen::Index at = 3 * Eigen::Index(i);
+    if (law.closed[i]) contact[at] = point.s[pairs[i].normal];
+    if (!law.tangential[i]) continue;
+    const TangentialModes& m = modes_[i];
+    Eigen::Vector2d t = -(m.E.transpose() * point.phi.segment<2>(at + 1));  // stick: the slip itself
+    for (int k = 0; k < 2; ++k) t[k] *= std::sqrt(m.theta[k]) / std::max(m.sigma[k], 1e-14);
+    contact.segment<2>(at + 1) = m.E * t;
+  }
+  vectors_.setContact(result, contact);
+  return result;
+}
+
+Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
+                                           const Eigen::VectorXd& z) const {
+  const Eigen::VectorXd zc = vectors_.contact(z), lambda = vectors_.contact(point.lambda), s = vectors_.contact(point.s);
+  Eigen::VectorXd out = -lambda;  // open pairs let go
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const Eigen::Index at = 3 * Eigen::Index(i);
+    double dN = 0;
+    if (law.closed[i]) {
+      out[at] = zc[at];
+      dN = zc[at] - law.r * s[at];  // change of lambda_N + r s_N, with s_N going to 0
+    }
+    if (!law.tangential[i]) continue;
+    const TangentialModes& m = modes_[i];
+    const double stiffness = tangentialStiffness(pairs[i]);
+    const Eigen::Vector2d byNormal = m.E.transpose() * law.dP[i].block<2, 1>(1, 0) * dN;
+    const Eigen::Vector2d phi = m.E.transpose() * point.phi.segment<2>(at + 1);
+    Eigen::Vector2d t = m.E.transpose() * zc.segment<2>(at + 1);
+    for (int k = 0; k < 2; ++k) {
+      if (m.isHeld(k)) {
+        t[k] = byNormal[k] - law.r * phi[k];
+      } else {
+        t[k] *= std::sqrt(m.theta[k]);
+        const double regular = (1 - m.sigma[k]) + law.r * m.sigma[k] / stiffness;
+        if (m.sigma[k] < 1 - 1e-13) t[k] += byNormal[k] / regular;
+      }
+    }
+    out.segment<2>(at + 1) = m.E * t;
+  }
+  return out;
+}
+
+// Contact forces of the direction must not push floating bodies: what is left is spread by the law, then cleaned.
+void NewtonDirection::holdFloatingBodies(const LawLinearization& law, Eigen::VectorXd& contact) const {
+  const Eigen::MatrixXd& H = balance_.H();
+  const Eigen::Index k = H.cols();
+  if (k == 0) return;
+  Eigen::MatrixXd PH(H.rows(), k);
+  for (std::size_t i = 0; i < law.dP.size(); ++i)
+    PH.middleRows<3>(3 * Eigen::Index(i)) = law.r * law.dP[i] * H.middleRows<3>(3 * Eigen::Index(i));
+  Eigen::MatrixXd sums(k, 2 * k + 1);
+  sums << H.transpose() * PH, H.transpose() * H, H.transpose() * contact;
+  vectors_.sum(sums);
+  Eigen::MatrixXd K = sums.leftCols(k);
+  const Eigen::MatrixXd HH = sums.middleCols(k, k);
+  K += 1e-8 * K.trace() * Eigen::MatrixXd::Identity(k, k) + 1e-10 * law.r * HH;
+  contact -= PH * K.partialPivLu().solve(sums.rightCols(1));
+  Eigen::MatrixXd rest = H.transpose() * contact;
+  vectors_.sum(rest);
+  contact -= H * HH.completeOrthogonalDecomposition().solve(rest);
+}
+
+Eigen::VectorXd NewtonDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) {
+  prepare(pairs, law);
+  Eigen::VectorXd r = residual(pairs, law, point);
+  coarse_->projectDual(r);
+  Eigen::VectorXd z = vectors_.apply(M_, r);
+  coarse_->projectPrimal(z);
+  Eigen::VectorXd contact = followLaw(pairs, law, point, z);
+  holdFloatingBodies(law, contact);
+  vectors_.setContact(z, contact);
+  balance_.balance(z);
+  return z;
+}
+
+}  // namespace Haptos

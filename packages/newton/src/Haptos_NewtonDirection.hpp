@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+
+#include "Haptos_BalanceProjections.hpp"
+
+namespace Haptos {
+
+/// \brief The preconditioned Newton residual: one direction for the multipliers, one application of M.
+///
+/// Gluing rows take their jump, closed normal rows theirs, tangential rows the law's residual in the eigenvectors of
+/// P'; the active coarse projection stands on both sides of M.  What the law itself decides (open pairs, the slip
+/// direction) is set afterwards.
+class NewtonDirection {
+ public:
+  NewtonDirection(const DualProblem& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
+                  const GluingBalance& balance);
+
+  /// \brief Where the direction is taken.
+  struct Point {
+    const Eigen::VectorXd& lambda;  ///< [rows]
+    const Eigen::VectorXd& s;       ///< [rows]
+    const Eigen::VectorXd& phi;     ///< [3 pairs] residual of the law, possibly of its linearisation
+  };
+
+  /// \brief v with G v = 0, not normalised.  Collective.
+  Eigen::VectorXd compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point);
+
+  /// \brief The preconditioner's nodal stiffness on normal rows, its median over all pairs [force/length].
+  double medianNormalStiffness() const { return medianStiffness_; }
+
+ private:
+  void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law);
+  Eigen::VectorXd residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const;
+  Eigen::VectorXd followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
+                            const Eigen::VectorXd& z) const;
+  void holdFloatingBodies(const LawLinearization& law, Eigen::VectorXd& contact) const;
+  double tangentialStiffness(const PairLaw& pair) const;
+
+  const DualProblem& dual_;
+  const Operator& M_;
+  const DualVectors& vectors_;
+  const GluingBalance& balance_;
+  Eigen::VectorXd stiffness_;  ///< [rows] diag(M)
+  Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
+  double medianStiffness_ = 0;
+  std::vector<Eigen::Matrix3d> preparedFor_;
+  bool isPrepared_ = false;
+  std::vector<TangentialModes> modes_;
+  std::unique_ptr<ActiveCoarseProjection> coarse_;
+};
+
+/// \brief Median of this rank's and all other ranks' values.  Collective.
+double globalMedian(const Communicator& comm, const std::vector<double>& values);
+
+}  // namespace Haptos

@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_RecycledSubspace.hpp"
+
+#include <cmath>
+
+namespace Haptos {
+
+void RecycledSubspace::clear() { size_ = 0; }
+
+void RecycledSubspace::grow() {
+  constexpr Eigen::Index kFirst = 24;
+  const Eigen::Index capacity = std::max(kFirst, 2 * V_.cols());
+  const auto resize = [&](Eigen::MatrixXd& m, Eigen::Index rows) { m.conservativeResize(rows, capacity); };
+  resize(V_, vectors_.numRows());
+  resize(S_, vectors_.numRows());
+  resize(Q_, Eigen::Index(vectors_.gluingRows().size()));
+  resize(R_, capacity);
+  resize(Vc_, 3 * vectors_.numPairs());
+  resize(Sc_, 3 * vectors_.numPairs());
+}
+
+void RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
+  constexpr double kDependent = 1e-13;
+  if (size_ == V_.cols()) grow();
+  const Eigen::Index m = size_;
+  Eigen::VectorXd q = vectors_.gluing(s), coefficients = Eigen::VectorXd::Zero(m);
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::VectorXd d = projectGluing(q);
+    q -= Q_.leftCols(m) * d;
+    coefficients += d;
+  }
+  Eigen::Vector2d norms(q.squaredNorm(), s.squaredNorm());
+  vectors_.sum(norms);
+  const double norm = std::sqrt(norms[0]);
+  const bool independent = norm > kDependent * std::sqrt(norms[1]);
+  R_.row(m).head(m + 1).setZero();
+  R_.col(m).head(m) = coefficients;
+  R_(m, m) = independent ? norm : 0.0;
+  if (independent) Q_.col(m) = q / norm;
+  else Q_.col(m).setZero();
+  V_.col(m) = v;
+  S_.col(m) = s;
+  Vc_.col(m) = vectors_.contact(v);
+  Sc_.col(m) = vectors_.contact(s);
+  ++size_;
+}
+
+Eigen::VectorXd RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) const {
+  Eigen::VectorXd result = Q_.leftCols(size_).transpose() * gluing;
+  vectors_.sum(result);
+  return result;
+}
+
+double RecycledSubspace::memoryMb() const {
+  return double(V_.size() + S_.size() + Q_.size() + R_.size() + Vc_.size() + Sc_.size()) * sizeof(double) / (1 << 20);
+}
+
+}  // namespace Haptos

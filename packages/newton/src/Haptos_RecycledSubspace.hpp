@@ -1,0 +1,44 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "Haptos_DualVectors.hpp"
+
+namespace Haptos {
+
+/// \brief Pairs (v_j, s_j) with s_j = -F v_j + rigid part, kept from step to step.
+///
+/// They depend on no friction coefficient and on no state of contact.  The gluing parts of the s_j are kept as Q R
+/// (Q distributed, R the same on all ranks), the contact values of v_j and s_j apart as dense blocks.
+class RecycledSubspace {
+ public:
+  explicit RecycledSubspace(const DualVectors& vectors) : vectors_(vectors) {}
+
+  Eigen::Index size() const { return size_; }
+  void clear();
+
+  /// \brief Appends a pair; classical Gram-Schmidt, done twice.  Collective: three reductions.
+  void add(const Eigen::VectorXd& v, const Eigen::VectorXd& s);
+
+  auto R() const { return R_.topLeftCorner(size_, size_); }   ///< [m x m], upper triangular
+  auto Vc() const { return Vc_.leftCols(size_); }             ///< [3 pairs x m] contact values of the v_j
+  auto Sc() const { return Sc_.leftCols(size_); }             ///< [3 pairs x m] of the s_j
+
+  /// \brief Q^T times gluing rows [m], the same on all ranks.  Collective.
+  Eigen::VectorXd projectGluing(const Eigen::VectorXd& gluing) const;
+
+  Eigen::VectorXd combineV(const Eigen::VectorXd& y) const { return V_.leftCols(size_) * y; }
+  Eigen::VectorXd combineS(const Eigen::VectorXd& y) const { return S_.leftCols(size_) * y; }
+
+  double memoryMb() const;
+
+ private:
+  void grow();
+
+  const DualVectors& vectors_;
+  Eigen::Index size_ = 0;
+  Eigen::MatrixXd V_, S_, Q_, R_, Vc_, Sc_;
+};
+
+}  // namespace Haptos

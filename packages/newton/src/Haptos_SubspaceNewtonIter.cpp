@@ -1,0 +1,253 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubspaceNewtonIter.hpp"
+
+#include <Eigen/Dense>
+#include <Teuchos_Assert.hpp>
+#include <cmath>
+#include <limits>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Exchange.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr int kGaussNewtonSteps = 8;   // in the subspace, between two directions
+constexpr int kWindow = 6;             // steps over which the residual must fall by kWindowFactor
+constexpr double kWindowFactor = 0.6;
+constexpr double kForcing = 0.2;       // linear residual of an inexact Newton step, relative
+constexpr int kMaxLinear = 40;         // directions for one linearisation
+constexpr double kRankTolerance = 1e-12;
+
+}  // namespace
+
+// min || M y - rhs ||: gluing rows in factored form, contact rows compressed by QR on every rank.
+struct SubspaceNewtonIter::SmallSystem {
+  Eigen::MatrixXd M;       // columns scaled to length 1
+  Eigen::VectorXd rhs, scale;
+
+  Eigen::VectorXd solve(double damping = 0) const {
+    const Eigen::Index m = M.cols();
+    Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
+    qr.setThreshold(kRankTolerance);
+    if (damping == 0) return qr.compute(M).solve(rhs).cwiseQuotient(scale);
+    Eigen::MatrixXd damped(M.rows() + m, m);
+    damped << M, std::sqrt(damping) * Eigen::MatrixXd::Identity(m, m);
+    Eigen::VectorXd b = Eigen::VectorXd::Zero(damped.rows());
+    b.head(M.rows()) = rhs;
+    return qr.compute(damped).solve(b).cwiseQuotient(scale);
+  }
+  double residual(const Eigen::VectorXd& y) const { return (M * y.cwiseProduct(scale) - rhs).norm(); }
+};
+
+struct SubspaceNewtonIter::Trial {
+  LawLinearization law;
+  double norm;
+};
+
+SubspaceNewtonIter::SubspaceNewtonIter(const DualProblem& dual, const DualVectors& vectors, const GluingBalance& balance,
+                                       NewtonDirection& direction, RecycledSubspace& subspace, double r)
+    : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), r_(r) {}
+
+SubspaceNewtonIter::Trial SubspaceNewtonIter::evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const {
+  Trial trial{linearizeLaw(*pairs_, lambda, s, r_), 0};
+  trial.norm = std::sqrt(std::max(0.0, gluing2) + vectors_.sum(trial.law.phi.squaredNorm()));
+  return trial;
+}
+
+void SubspaceNewtonIter::linearize(const NewtonState& state) {
+  law_ = linearizeLaw(*pairs_, vectors_.contact(state.lambda), vectors_.contact(state.s), r_);
+  norm_ = std::sqrt(vectors_.sum(vectors_.gluing(state.s).squaredNorm() + law_.phi.squaredNorm()));
+}
+
+SubspaceNewtonIter::SmallSystem SubspaceNewtonIter::smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const {
+  const Eigen::Index m = subspace_.size();
+  Eigen::MatrixXd J(law.phi.size(), m + 1);
+  J << law.multiply(subspace_.Vc(), subspace_.Sc()), -law.phi;
+  if (J.rows() > m + 1) {
+    Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(J);
+    J = Eigen::MatrixXd(J.topRows(m + 1).triangularView<Eigen::Upper>());
+  }
+  std::vector<Eigen::MatrixXd> parts{J};
+  if (vectors_.comm().getSize() > 1) {
+    parts.clear();
+    ByteWriter writer;
+    writer.write(std::vector<double>(J.data(), J.data() + J.size()));
+    for (const auto& message : gatherOnAll(vectors_.comm(), writer.take())) {
+      const auto values = ByteReader(message).readVector<double>();
+      parts.push_back(Eigen::Map<const Eigen::MatrixXd>(values.data(), Eigen::Index(values.size()) / (m + 1), m + 1));
+    }
+  }
+  Eigen::Index rows = m;
+  for (const auto& part : parts) rows += part.rows();
+  SmallSystem system{Eigen::MatrixXd(rows, m), Eigen::VectorXd(rows), {}};
+  system.M.topRows(m) = subspace_.R().triangularView<Eigen::Upper>();
+  system.rhs.head(m) = -gluing;
+  Eigen::Index at = m;
+  for (const auto& part : parts) {
+    system.M.middleRows(at, part.rows()) = part.leftCols(m);
+    system.rhs.segment(at, part.rows()) = part.rightCols(1);
+    at += part.rows();
+  }
+  system.scale = system.M.colwise().norm().transpose();
+  for (double& value : system.scale)
+    if (value == 0) value = 1;
+  for (Eigen::Index j = 0; j < m; ++j) system.M.col(j) /= system.scale[j];
+  return system;
+}
+
+void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
+  const Eigen::VectorXd lambda = state.lambda + dLambda, s = state.s + dS;
+  const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
+  Eigen::VectorXd v = direction_.compute(*pairs_, law_, {lambda, s, phi});
+  const double length = vectors_.norm(v);
+  TEUCHOS_TEST_FOR_EXCEPTION(!std::isfinite(length), std::runtime_error,
+                             "subspace Newton: the direction is not finite; is a stiffness or load out of range?");
+  if (length > 0) v /= length;
+  Eigen::VectorXd sv = -vectors_.apply(*dual_.F, v);
+  balance_.removeRigidPart(sv);
+  const double size = vectors_.norm(sv);
+  if (size > 0) subspace_.add(v / size, sv / size);
+}
+
+// Directions for the frozen linearisation until its residual is below the target.
+void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits& limits, double target) {
+  const Eigen::VectorXd gluing = vectors_.gluing(state.s);
+  const double gluing2 = vectors_.sum(gluing.squaredNorm());
+  Eigen::VectorXd dLambda = Eigen::VectorXd::Zero(state.lambda.size()), dS = dLambda;
+  double residual = norm_;
+  const auto solve = [&] {
+    const Eigen::VectorXd q = subspace_.projectGluing(gluing);
+    const SmallSystem system = smallSystem(law_, q);
+    const Eigen::VectorXd y = system.solve();
+    residual = std::hypot(std::sqrt(std::max(0.0, gluing2 - q.squaredNorm())), system.residual(y));
+    dLambda = subspace_.combineV(y);
+    dS = subspace_.combineS(y);
+  };
+  if (subspace_.size() > 0) solve();
+  for (int k = 0; (residual > target || (k == 0 && idle_)) && k < kMaxLinear && applications() < limits.maxApplications &&
+                  !hasStalled(limits, 2);
+       ++k) {
+    addDirection(dLambda, dS, state);
+    solve();
+  }
+  ++newtonSteps_;
+}
+
+bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) const {
+  return limits.stall > 0 && applications() - halvedAt_ >= long(patience) * limits.stall;
+}
+
+// Gauss-Newton inside the subspace; returns the residual reached.
+double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
+  const Eigen::VectorXd lambda0 = vectors_.contact(state.lambda), s0 = vectors_.contact(state.s), gluing = vectors_.gluing(state.s);
+  const Eigen::VectorXd q0 = subspace_.projectGluing(gluing);
+  const double outside2 = std::max(0.0, vectors_.sum(gluing.squaredNorm()) - q0.squaredNorm());
+  const auto R = subspace_.R().triangularView<Eigen::Upper>();
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(subspace_.size()), q = q0;
+  const auto at = [&](const Eigen::VectorXd& yNew) {
+    const Eigen::VectorXd qNew = q0 + R * yNew;
+    return evaluate(lambda0 + subspace_.Vc() * yNew, s0 + subspace_.Sc() * yNew, outside2 + qNew.squaredNorm());
+  };
+  double current = norm_;
+  const auto take = [&](const Eigen::VectorXd& yNew, Trial&& trial) {
+    y = yNew;
+    q = q0 + R * y;
+    law_ = std::move(trial.law);
+    current = trial.norm;
+  };
+  for (int step = 0; step < kGaussNewtonSteps; ++step) {
+    const SmallSystem system = smallSystem(law_, q);
+    const Eigen::VectorXd dy = system.solve();
+    // The subspace does not carry this linearisation: new directions first.
+    if (linear_ && step > 0 && std::hypot(std::sqrt(outside2), system.residual(dy)) > kForcing * current) break;
+    Trial full = at(y + dy), trial = full;
+    double t = 1;
+    while (t > 1.0 / 40 && !(trial.norm < (1 - 1e-4 * t) * current)) trial = at(y + (t /= 2) * dy);
+    bool descends = t > 1.0 / 40;
+    Eigen::VectorXd yNew = y + t * dy;
+    for (double mu : {1e-3, 1e-2, 1e-1, 1.0}) {
+      if (descends || linear_) break;
+      yNew = y + system.solve(mu);
+      trial = at(yNew);
+      descends = trial.norm < (1 - 1e-4) * current;
+    }
+    if (!descends) {
+      // A full step without descent lets the active set move; bounded by the best residual so far.
+      if (step > 0 || !(linear_ || full.norm < 3 * bestNorm_)) break;
+      take(y + dy, std::move(full));
+      if (linear_) continue;
+      break;
+    }
+    const double reduction = trial.norm / current;
+    take(yNew, std::move(trial));
+    if (reduction > 0.98 && !linear_) break;
+  }
+  state.lambda += subspace_.combineV(y);
+  state.s += subspace_.combineS(y);
+  return current;
+}
+
+void SubspaceNewtonIter::chooseMode(double before) {
+  idle_ = linear_ && norm_ > 0.9 * before;  // a pass without descent must add a direction: no endless loop without F
+  if (!linear_) return;
+  if (norm_ < 0.5 * before) ++goodSteps_;
+  if (goodSteps_ >= 2) {
+    linear_ = false;
+    window_.clear();
+  }
+}
+
+NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits,
+                                       bool needsDirection) {
+  pairs_ = &pairs;
+  firstApplication_ = dual_.F->applications();
+  linear_ = idle_ = false;
+  goodSteps_ = 0;
+  window_.clear();
+  linearize(state);
+  bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
+  halvedAt_ = 0;
+  NewtonState best = state;
+  NewtonStop stop = NewtonStop::Limit;
+  for (;; ++steps_) {
+    window_.push_back(norm_);
+    if (norm_ < bestNorm_) {
+      bestNorm_ = norm_;
+      best = state;
+    }
+    const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
+    const bool done = limits.accept ? limits.accept(state.lambda, state.s, relative) : relative <= limits.tolerance;
+    if (done) {
+      best = state;
+      stop = NewtonStop::Converged;
+      break;
+    }
+    if (applications() >= limits.maxApplications) break;
+    if (norm_ < 0.5 * halved_) {
+      halved_ = norm_;
+      halvedAt_ = applications();
+    }
+    if (hasStalled(limits, 1)) {
+      stop = NewtonStop::Stalled;
+      break;
+    }
+    if (!linear_ && window_.size() > kWindow && window_.back() > kWindowFactor * window_[window_.size() - 1 - kWindow]) {
+      linear_ = true;
+      goodSteps_ = 0;
+    }
+    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(state.lambda.size());
+    if (linear_) linearPass(state, limits, std::max(kForcing * norm_, 0.3 * limits.tolerance * limits.reference));
+    else if (needsDirection) addDirection(zero, zero, state);
+    needsDirection = true;
+    const double before = norm_;
+    solveInSubspace(state);
+    linearize(state);
+    chooseMode(before);
+  }
+  state = std::move(best);
+  linearize(state);
+  return stop;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,76 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+
+#include "Haptos_NewtonDirection.hpp"
+#include "Haptos_RecycledSubspace.hpp"
+
+namespace Haptos {
+
+/// \brief Multipliers and jumps during the iteration; [rows] each.
+struct NewtonState {
+  Eigen::VectorXd lambda, s;
+};
+
+/// \brief Why the iteration came back.
+enum class NewtonStop { Converged, Stalled, Limit };
+
+/// \brief When the iteration comes back.
+struct NewtonLimits {
+  double tolerance = 0;      ///< of || (s_E, phi) || relative to `reference`
+  double reference = 1;      ///< [length]
+  int stall = 0;             ///< F applications without halving the residual; 0: never
+  long maxApplications = 0;  ///< of F in this call
+  /// Asked at every step with lambda, s and the relative residual; replaces `tolerance` where it is set.
+  std::function<bool(const Eigen::VectorXd&, const Eigen::VectorXd&, double)> accept;
+};
+
+/// \brief Nonlinear subspace Newton: one F and one M a step, everything recycled.
+///
+/// Unknowns (lambda, s) obey s_E = 0 on gluing rows and phi(lambda, s) = 0 on contact pairs.  Every step adds one
+/// pair (v, -F v + rigid part) in the direction of the preconditioned Newton residual; a few Gauss-Newton steps then
+/// solve the law inside the whole subspace, which needs no F.  Where that stalls, the linearisation is frozen and
+/// directions are added for the linear residual (an inexact Newton step), until two good steps in a row.
+class SubspaceNewtonIter {
+ public:
+  SubspaceNewtonIter(const DualProblem& dual, const DualVectors& vectors, const GluingBalance& balance, NewtonDirection& direction,
+                     RecycledSubspace& subspace, double r);
+
+  /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
+  NewtonStop iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits, bool needsDirection);
+
+  int steps() const { return steps_; }
+  int newtonSteps() const { return newtonSteps_; }
+  double residual() const { return norm_; }  ///< || (s_E, phi) || [length]
+
+ private:
+  struct SmallSystem;
+  struct Trial;
+
+  void linearize(const NewtonState& state);
+  void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
+  void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
+  double solveInSubspace(NewtonState& state);
+  bool hasStalled(const NewtonLimits& limits, int patience) const;
+  void chooseMode(double before);
+  Trial evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const;
+  SmallSystem smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const;
+  long applications() const { return dual_.F->applications() - firstApplication_; }
+
+  const DualProblem& dual_;
+  const DualVectors& vectors_;
+  const GluingBalance& balance_;
+  NewtonDirection& direction_;
+  RecycledSubspace& subspace_;
+  double r_;
+
+  const std::vector<PairLaw>* pairs_ = nullptr;
+  LawLinearization law_;
+  double norm_ = 0, bestNorm_ = 0, halved_ = 0;
+  long firstApplication_ = 0, halvedAt_ = 0;
+  bool linear_ = false, idle_ = false;
+  int goodSteps_ = 0, steps_ = 0, newtonSteps_ = 0;
+  std::vector<double> window_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_KktEstimator.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <cmath>
+
+namespace Haptos {
+
+void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
+  const auto u = recoverPrimal(system_.dual(), system_.f(), system_.c(), lambda, s);
+  const auto data = u->getData(0);
+  double mine = 0;
+  for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));
+  Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(uRef_));
+}
+
+KktErrors KktEstimator::measure(const Vector& lambda, const Vector& s) const {
+  const MultiplierMap& multipliers = system_.jump().multipliers();
+  const LoadScales reactions = measureReactions(multipliers, lambda);
+  KktErrors errors = measureContact(system_.law(), lambda, s, {uRef_, std::max(loads_.largest, reactions.largest)});
+  const double ext = std::max(loads_.norm, reactions.norm);
+  const Eigen::MatrixXd imbalance = system_.dual().G->applyG(lambda) - system_.dual().e;
+  errors.equilibrium = ext > 0 ? imbalance.norm() / ext : 0.0;
+  // An orthonormal row of two copies is their difference over sqrt(2).
+  double mine = 0, largest = 0;
+  const auto data = s.getData(0);
+  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
+    if (multipliers.kinds()[row] == RowKind::Gluing || multipliers.kinds()[row] == RowKind::Dirichlet)
+      mine = std::max(mine, std::abs(data[row]));
+  Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
+  errors.continuity = uRef_ > 0 ? std::sqrt(2.0) * largest / uRef_ : (largest > 0 ? 1.0 : 0.0);
+  return errors;
+}
+
+KktErrors KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance) {
+  if (uRef_ <= 0) renewScale(lambda, s);
+  KktErrors errors = measure(lambda, s);
+  if (errors.kkt() > tolerance) return errors;
+  renewScale(lambda, s);
+  return measure(lambda, s);
+}
+
+}  // namespace Haptos

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_Accuracy.hpp"
+#include "Haptos_FetiSystem.hpp"
+
+namespace Haptos {
+
+/// \brief kkt as a dual method can see it, from lambda and s = B u - c, without the element matrices.
+///
+/// The largest displacement is recovered (one local solve a subdomain, no F) at the first call, and again where
+/// the estimate passes the tolerance.  The final accuracy is measured elsewhere, from u.
+class KktEstimator {
+ public:
+  KktEstimator(const FetiSystem& system, const LoadScales& loads) : system_(system), loads_(loads) {}
+
+  /// \brief Collective.  \param tolerance below it the displacement scale is renewed.
+  KktErrors estimate(const Vector& lambda, const Vector& s, double tolerance);
+
+ private:
+  KktErrors measure(const Vector& lambda, const Vector& s) const;
+  void renewScale(const Vector& lambda, const Vector& s);
+
+  const FetiSystem& system_;
+  const LoadScales& loads_;
+  double uRef_ = -1;
+};
+
+}  // namespace Haptos
