@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactPairs.hpp"
 
-#include <Teuchos_TestForException.hpp>
 #include <algorithm>
 #include <iterator>
 #include <sstream>
 
 #include "Haptos_ContactSurface.hpp"
+#include "Haptos_InputCheck.hpp"
 #include "Haptos_SurfaceMatching.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -25,22 +25,20 @@ std::string show(const std::array<double, 3>& a) {
 
 void checkSpec(const ContactSpec& spec) {
   const std::string where = "Contact '" + spec.name + "': ";
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      spec.primarySideSet.empty() == !spec.rigidPlane, InputError,
-      where << "give either a Primary Side Set or a Rigid Plane, and only one of them.");
-  TEUCHOS_TEST_FOR_EXCEPTION(!isDirection(spec.principalDirection), InputError,
-                             where << "Principal Direction " << show(spec.principalDirection)
-                                   << " must be finite and must not be zero.");
-  TEUCHOS_TEST_FOR_EXCEPTION(!(spec.matchingTolerance > 0.0 && spec.matchingTolerance <= 0.25), InputError,
-                             where << "matching tolerance " << spec.matchingTolerance
-                                   << " (part of the element size) must be above 0 and at most 0.25.");
+  HAPTOS_REFUSE_IF(spec.primarySideSet.empty() == !spec.rigidPlane,
+                   where << "give either a Primary Side Set or a Rigid Plane, and only one of them.");
+  HAPTOS_REFUSE_IF(!isDirection(spec.principalDirection),
+                   where << "Principal Direction " << show(spec.principalDirection)
+                         << " must be finite and must not be zero.");
+  HAPTOS_REFUSE_IF(!(spec.matchingTolerance > 0.0 && spec.matchingTolerance <= 0.25),
+                   where << "matching tolerance " << spec.matchingTolerance
+                         << " (part of the element size) must be above 0 and at most 0.25.");
   if (!spec.rigidPlane) return;
-  TEUCHOS_TEST_FOR_EXCEPTION(!isDirection(spec.rigidPlane->normal), InputError,
-                             where << "Rigid Plane Normal " << show(spec.rigidPlane->normal)
-                                   << " must be finite and must not be zero.");
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      !Vec3::isFinite(spec.rigidPlane->point), InputError,
-      where << "Rigid Plane Point " << show(spec.rigidPlane->point) << " must be finite.");
+  HAPTOS_REFUSE_IF(!isDirection(spec.rigidPlane->normal),
+                   where << "Rigid Plane Normal " << show(spec.rigidPlane->normal)
+                         << " must be finite and must not be zero.");
+  HAPTOS_REFUSE_IF(!Vec3::isFinite(spec.rigidPlane->point),
+                   where << "Rigid Plane Point " << show(spec.rigidPlane->point) << " must be finite.");
 }
 
 ContactSurface surfaceOf(const Mesh& mesh, const ContactSpec& spec, const std::string& sideSet,
@@ -58,17 +56,16 @@ void checkNoSharedNode(const Mesh& mesh, const ContactSpec& spec, const ContactS
   std::set_intersection(secondary.nodes.begin(), secondary.nodes.end(), primary.nodes.begin(),
                         primary.nodes.end(), std::back_inserter(shared));
   if (shared.empty()) return;
-  TEUCHOS_TEST_FOR_EXCEPTION(secondary.nodes == primary.nodes, InputError,
-                             "Contact '" << spec.name << "': side sets '" << secondary.name << "' and '"
-                                         << primary.name << "' hold the same nodes, "
-                                         << describeNode(mesh, shared[0])
-                                         << " for one; a surface cannot be in contact with itself.");
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      true, InputError,
-      "Contact '" << spec.name << "': " << describeNode(mesh, shared[0]) << " is in side set '"
-                  << secondary.name << "' and in '" << primary.name << "' (so are " << shared.size() - 1
-                  << " more); a node cannot be in contact with itself. The bodies need "
-                     "nodes of their own there, or the faces must leave the side sets.");
+  HAPTOS_REFUSE_IF(secondary.nodes == primary.nodes,
+                   "Contact '" << spec.name << "': side sets '" << secondary.name << "' and '"
+                               << primary.name << "' hold the same nodes, "
+                               << describeNode(mesh, shared[0])
+                               << " for one; a surface cannot be in contact with itself.");
+  HAPTOS_REFUSE_IF(true,
+                   "Contact '" << spec.name << "': " << describeNode(mesh, shared[0]) << " is in side set '"
+                               << secondary.name << "' and in '" << primary.name << "' (so are " << shared.size() - 1
+                               << " more); a node cannot be in contact with itself. The bodies need "
+                                  "nodes of their own there, or the faces must leave the side sets.");
 }
 
 std::string unpairedNote(const ContactSurface& secondary, const ContactSurface& primary, std::size_t count) {
@@ -131,11 +128,10 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
     interface.pairs.push_back(
         {secondary.nodes[i], -1, frame, -Vec3::dot(fromPlane, frame.normal), secondary.areas[i]});
   }
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      best <= 1e-6, InputError,
-      "Contact '" << spec.name << "': no face of side set '" << secondary.name
-                  << "' looks towards the Rigid Plane; its Normal " << show(spec.rigidPlane->normal)
-                  << " must point to the body. Is it the wrong side set, or the wrong sign?");
+  HAPTOS_REFUSE_IF(best <= 1e-6,
+                   "Contact '" << spec.name << "': no face of side set '" << secondary.name
+                               << "' looks towards the Rigid Plane; its Normal " << show(spec.rigidPlane->normal)
+                               << " must point to the body. Is it the wrong side set, or the wrong sign?");
 }
 
 }  // namespace

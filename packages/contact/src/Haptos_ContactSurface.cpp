@@ -1,14 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactSurface.hpp"
 
-#include <Teuchos_TestForException.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
 #include <tuple>
 
-#include "Haptos_Error.hpp"
+#include "Haptos_InputCheck.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -40,10 +39,10 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
     auto face = nodesOfSide(mesh, offsets, side);
     face.erase(std::unique(face.begin(), face.end()), face.end());
     if (face.size() > 1 && face.front() == face.back()) face.pop_back();
-    TEUCHOS_TEST_FOR_EXCEPTION(face.size() < 3, InputError,
-                               "Side set '" << name << "': side " << side.side + 1 << " of element "
-                                            << elementNumber(mesh, side.element)
-                                            << " is collapsed to a line; leave it out of the side set.");
+    HAPTOS_REFUSE_IF(face.size() < 3,
+                     "Side set '" << name << "': side " << side.side + 1 << " of element "
+                                  << elementNumber(mesh, side.element)
+                                  << " is collapsed to a line; leave it out of the side set.");
     faces.push_back(std::move(face));
   }
   return faces;
@@ -87,11 +86,11 @@ void setFacetNormals(const Mesh& mesh, const std::vector<ElementSide>& sides, Co
     const Vec3::Array vector = areaVector(x, surface.facetSize(f));
     const double length =
         std::max(Vec3::norm(Vec3::subtract(x[1], x[0])), Vec3::norm(Vec3::subtract(x[2], x[1])));
-    TEUCHOS_TEST_FOR_EXCEPTION(!(Vec3::norm(vector) > 1e-12 * length * length), InputError,
-                               "Side set '" << surface.name << "': side " << sides[std::size_t(f)].side + 1
-                                            << " of element "
-                                            << elementNumber(mesh, sides[std::size_t(f)].element)
-                                            << " has no area; the element is degenerate.");
+    HAPTOS_REFUSE_IF(!(Vec3::norm(vector) > 1e-12 * length * length),
+                     "Side set '" << surface.name << "': side " << sides[std::size_t(f)].side + 1
+                                  << " of element "
+                                  << elementNumber(mesh, sides[std::size_t(f)].element)
+                                  << " has no area; the element is degenerate.");
     surface.facetNormals.push_back(Vec3::normalized(vector));
   }
 }
@@ -162,11 +161,10 @@ void accumulateNodalData(ContactSurface& surface) {
 
 void normalizeNormals(const Mesh& mesh, ContactSurface& surface) {
   const auto refuse = [&](std::size_t node) {
-    TEUCHOS_TEST_FOR_EXCEPTION(
-        true, InputError,
-        "Side set '" << surface.name << "': the faces around " << describeNode(mesh, surface.nodes[node])
-                     << " look in opposite directions, so that it has no outward normal; "
-                        "put the two sides of a thin part into two side sets.");
+    HAPTOS_REFUSE_IF(true,
+                     "Side set '" << surface.name << "': the faces around " << describeNode(mesh, surface.nodes[node])
+                                  << " look in opposite directions, so that it has no outward normal; "
+                                     "put the two sides of a thin part into two side sets.");
   };
   for (std::size_t i = 0; i < surface.numNodes(); ++i) {
     if (!(Vec3::norm(surface.normals[i]) > 1e-6)) refuse(i);
@@ -204,13 +202,11 @@ std::string describeNode(const Mesh& mesh, std::int64_t node) {
 
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {
   const int position = findSideSet(mesh, sideSet);
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      position < 0, InputError,
-      "There is no side set '" << sideSet << "'; the mesh has: " << listSideSets(mesh) << ".");
+  HAPTOS_REFUSE_IF(position < 0,
+                   "There is no side set '" << sideSet << "'; the mesh has: " << listSideSets(mesh) << ".");
   const SideSet& set = mesh.sideSets[std::size_t(position)];
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      set.sides.empty(), InputError,
-      "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
+  HAPTOS_REFUSE_IF(set.sides.empty(),
+                   "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
   ContactSurface surface;
   surface.name = set.name.empty() ? std::to_string(set.id) : set.name;
   const auto sides = uniqueSides(set);

@@ -1,11 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_LocalFrame.hpp"
 
-#include <Teuchos_TestForException.hpp>
 #include <algorithm>
 #include <cmath>
 
-#include "Haptos_Error.hpp"
+#include "Haptos_InputCheck.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -16,9 +15,8 @@ constexpr double smallestSine = 1.7453283658983088e-3;
 
 Vec3::Array unitOf(const Vec3::Array& a, const char* what) {
   const double largest = std::max({std::abs(a[0]), std::abs(a[1]), std::abs(a[2])});
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      !Vec3::isFinite(a) || !(largest > 0.0), InputError,
-      what << " (" << a[0] << ", " << a[1] << ", " << a[2] << ") must be finite and must not be zero.");
+  HAPTOS_REFUSE_IF(!Vec3::isFinite(a) || !(largest > 0.0),
+                   what << " (" << a[0] << ", " << a[1] << ", " << a[2] << ") must be finite and must not be zero.");
   const Vec3::Array scaled = {a[0] / largest, a[1] / largest, a[2] / largest};  // very small or large a
   return Vec3::normalized(scaled);
 }

@@ -82,39 +82,64 @@ std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elemen
   return std::vector<int>(part.begin(), part.end());
 }
 
-// A part that METIS left in several fragments keeps its largest one; each other fragment goes to the
-// part with which it shares most sides.  Returns the number of fragments moved.
+// METIS may leave parts empty where there are few elements for each.  Every empty one takes from the largest part the
+// element that a breadth-first walk reaches last: what remains of that part stays connected.
+void fillEmptyParts(const DualGraph& graph, const std::vector<int>& elements, int parts, std::vector<int>& part) {
+  std::vector<int> size(parts, 0), position(graph.offsets.size() - 1, -1);
+  for (std::size_t i = 0; i < elements.size(); ++i) position[elements[i]] = int(i), ++size[part[i]];
+  for (int empty = 0; empty < parts; ++empty) {
+    if (size[empty] > 0) continue;
+    const int from = int(std::max_element(size.begin(), size.end()) - size.begin());
+    std::vector<int> walk{int(std::find(part.begin(), part.end(), from) - part.begin())};
+    std::vector<char> seen(part.size(), 0);
+    seen[walk[0]] = 1;
+    for (std::size_t at = 0; at < walk.size(); ++at) {
+      const int e = elements[walk[at]];
+      for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
+        const int other = position[graph.neighbours[k]];
+        if (!seen[other] && part[other] == from) seen[other] = 1, walk.push_back(other);
+      }
+    }
+    part[walk.back()] = empty;
+    --size[from], ++size[empty];
+  }
+}
+
+// A part in several fragments keeps its largest one.  Each other fragment goes to the part with whose main fragment it
+// shares most sides; only to main fragments, or two fragments could change places for ever.  A fragment that reaches
+// none becomes a part of its own.  Returns the number of fragments moved.
 int mendFragments(const DualGraph& graph, std::vector<int>& part) {
-  int moved = 0;
-  for (int sweep = 0; sweep < 20; ++sweep) {
+  for (int moved = 0;;) {
     int count = 0;
     const auto fragment = connectedComponents(graph, part, count);
     std::vector<int> size(count, 0), owner(count);
     for (std::size_t e = 0; e < part.size(); ++e) ++size[fragment[e]], owner[fragment[e]] = part[e];
-    std::map<int, int> largest;  // part -> fragment
+    std::map<int, int> mainOf;  // part -> fragment
     for (int f = 0; f < count; ++f) {
-      const auto [it, isNew] = largest.emplace(owner[f], f);
+      const auto [it, isNew] = mainOf.emplace(owner[f], f);
       if (!isNew && size[f] > size[it->second]) it->second = f;
     }
-    std::map<int, std::map<int, int>> shared;  // small fragment -> neighbouring part -> sides
+    std::map<int, std::map<int, int>> shared;  // lost fragment -> neighbouring part -> sides
     for (std::size_t e = 0; e < part.size(); ++e) {
-      if (largest[part[e]] == fragment[e]) continue;
+      if (mainOf[part[e]] == fragment[e]) continue;
+      auto& sides = shared[fragment[e]];
       for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
         const auto other = graph.neighbours[k];
-        if (part[other] != part[e]) ++shared[fragment[e]][part[other]];
+        if (mainOf[part[other]] == fragment[other]) ++sides[part[other]];
       }
     }
     if (shared.empty()) return moved;
     std::map<int, int> target;
     for (const auto& [f, parts] : shared)
-      target[f] = std::max_element(parts.begin(), parts.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+      if (!parts.empty())
+        target[f] = std::max_element(parts.begin(), parts.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+    if (target.empty()) target[shared.begin()->first] = mainOf.rbegin()->first + 1;
     for (std::size_t e = 0; e < part.size(); ++e) {
       const auto it = target.find(fragment[e]);
       if (it != target.end()) part[e] = it->second;
     }
     moved += int(target.size());
   }
-  return moved;
 }
 
 // Renumbers so that no number is unused, in the order of the old numbers.
@@ -144,7 +169,8 @@ std::vector<int> cutByMetis(const Mesh& mesh, const DualGraph& graph, const Piec
   std::vector<int> result(mesh.numElements());
   int first = 0;
   for (int p = 0; p < pieces.count; ++p) {
-    const auto local = runMetis(graph, pieces.elements[p], parts[p], options.seed);
+    auto local = runMetis(graph, pieces.elements[p], parts[p], options.seed);
+    fillEmptyParts(graph, pieces.elements[p], parts[p], local);
     for (std::size_t i = 0; i < local.size(); ++i) result[pieces.elements[p][i]] = first + local[i];
     first += parts[p];
   }

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <sstream>
 
-#include "Haptos_Error.hpp"
+#include "Haptos_InputCheck.hpp"
 #include "Haptos_ReferenceElement.hpp"
 
 namespace Haptos {
@@ -110,12 +110,10 @@ void groupStresses(const Coordinates& coordinates, const ElementGroup& group, co
 
 ElasticModuli elasticModuli(const IsotropicMaterial& material) {
   const double e = material.youngsModulus, nu = material.poissonsRatio;
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      !(e > 0.0) || std::isinf(e), InputError,
-      "material \"" << material.name << "\": Young's Modulus is " << e << "; it must be finite and > 0");
-  TEUCHOS_TEST_FOR_EXCEPTION(
-      !(nu > -1.0 && nu < 0.5), InputError,
-      "material \"" << material.name << "\": Poisson's Ratio is " << nu << "; it must be > -1 and < 0.5");
+  HAPTOS_REFUSE_IF(!(e > 0.0) || std::isinf(e),
+                   "material \"" << material.name << "\": Young's Modulus is " << e << "; it must be finite and > 0");
+  HAPTOS_REFUSE_IF(!(nu > -1.0 && nu < 0.5),
+                   "material \"" << material.name << "\": Poisson's Ratio is " << nu << "; it must be > -1 and < 0.5");
   const double shear = e / (2.0 * (1.0 + nu));
   return {e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), shear, e / (3.0 * (1.0 - 2.0 * nu))};
 }

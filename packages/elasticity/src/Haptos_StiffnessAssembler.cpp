@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "Haptos_Error.hpp"
+#include "Haptos_InputCheck.hpp"
 
 namespace Haptos {
 namespace {
@@ -79,10 +79,10 @@ IndexLists nodeNeighbours(int numNodes, const std::vector<ElementGroup>& groups)
 // K = 0 with the pattern of full 3 x 3 blocks.
 SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
   const std::int64_t numEntries = 9 * std::int64_t(neighbours.items.size());
-  TEUCHOS_TEST_FOR_EXCEPTION(numEntries > std::numeric_limits<int>::max(), InputError,
-                             "A subdomain of " << numNodes << " nodes has " << numEntries
-                                               << " stiffness entries, more than 32-bit indices can count; "
-                                                  "use more subdomains");
+  HAPTOS_REFUSE_IF(numEntries > std::numeric_limits<int>::max(),
+                   "A subdomain of " << numNodes << " nodes has " << numEntries
+                                     << " stiffness entries, more than 32-bit indices can count; "
+                                        "use more subdomains");
   SparseMatrix k(3 * numNodes, 3 * numNodes);
   k.resizeNonZeros(numEntries);
   std::fill_n(k.valuePtr(), numEntries, 0.0);

@@ -13,11 +13,12 @@ namespace Haptos {
 namespace {
 
 constexpr int kGaussNewtonSteps = 8;   // in the subspace, between two directions
-constexpr int kWindow = 6;             // steps over which the residual must fall by kWindowFactor
+constexpr int kWindow = 3;             // steps over which the residual must fall by kWindowFactor
 constexpr double kWindowFactor = 0.6;
 constexpr double kForcing = 0.2;       // linear residual of an inexact Newton step, relative
 constexpr int kMaxLinear = 40;         // directions for one linearisation
 constexpr double kRankTolerance = 1e-12;
+constexpr double kPenalties[] = {1.0, 0.3, 0.1};  // r relative to the nodal stiffness, in the order of trial
 
 }  // namespace
 
@@ -47,7 +48,7 @@ struct SubspaceNewtonIter::Trial {
 
 SubspaceNewtonIter::SubspaceNewtonIter(const DualProblem& dual, const DualVectors& vectors, const GluingBalance& balance,
                                        NewtonDirection& direction, RecycledSubspace& subspace, double r)
-    : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), r_(r) {}
+    : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), baseR_(r), r_(r) {}
 
 SubspaceNewtonIter::Trial SubspaceNewtonIter::evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const {
   Trial trial{linearizeLaw(*pairs_, lambda, s, r_), 0};
@@ -188,6 +189,24 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
   return current;
 }
 
+bool SubspaceNewtonIter::progressIsPoor() const {
+  const std::size_t n = window_.size();
+  return int(n) > kWindow && window_[n - 1] > kWindowFactor * window_[n - 1 - kWindow];
+}
+
+// The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps.
+void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
+  window_.clear();
+  if (++penaltyTried_ < int(std::size(kPenalties))) {
+    r_ = baseR_ * kPenalties[penaltyTried_];
+    linearize(state);
+    bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
+    return;
+  }
+  linear_ = true;
+  goodSteps_ = 0;
+}
+
 void SubspaceNewtonIter::chooseMode(double before) {
   idle_ = linear_ && norm_ > 0.9 * before;  // a pass without descent must add a direction: no endless loop without F
   if (!linear_) return;
@@ -203,7 +222,8 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
   pairs_ = &pairs;
   firstApplication_ = dual_.F->applications();
   linear_ = idle_ = false;
-  goodSteps_ = 0;
+  goodSteps_ = penaltyTried_ = 0;
+  r_ = baseR_ * kPenalties[0];
   window_.clear();
   linearize(state);
   bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
@@ -232,10 +252,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       stop = NewtonStop::Stalled;
       break;
     }
-    if (!linear_ && window_.size() > kWindow && window_.back() > kWindowFactor * window_[window_.size() - 1 - kWindow]) {
-      linear_ = true;
-      goodSteps_ = 0;
-    }
+    if (!linear_ && progressIsPoor()) leavePlateau(state);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(state.lambda.size());
     if (linear_) linearPass(state, limits, std::max(kForcing * norm_, 0.3 * limits.tolerance * limits.reference));
     else if (needsDirection) addDirection(zero, zero, state);

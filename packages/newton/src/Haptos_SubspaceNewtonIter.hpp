@@ -53,6 +53,8 @@ class SubspaceNewtonIter {
   double solveInSubspace(NewtonState& state);
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
+  bool progressIsPoor() const;
+  void leavePlateau(const NewtonState& state);
   Trial evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const;
   SmallSystem smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const;
   long applications() const { return dual_.F->applications() - firstApplication_; }
@@ -62,14 +64,14 @@ class SubspaceNewtonIter {
   const GluingBalance& balance_;
   NewtonDirection& direction_;
   RecycledSubspace& subspace_;
-  double r_;
+  double baseR_, r_;
 
   const std::vector<PairLaw>* pairs_ = nullptr;
   LawLinearization law_;
   double norm_ = 0, bestNorm_ = 0, halved_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false;
-  int goodSteps_ = 0, steps_ = 0, newtonSteps_ = 0;
+  int goodSteps_ = 0, penaltyTried_ = 0, steps_ = 0, newtonSteps_ = 0;
   std::vector<double> window_;
 };
 

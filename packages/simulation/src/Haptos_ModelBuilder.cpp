@@ -91,6 +91,34 @@ FrictionSpec frictionSpec(const ParameterList& list) {
   return spec;
 }
 
+// Throws the message of the first bad element, if there is one.
+void checkElements(const Mesh& mesh) {
+  std::int64_t first = 0;
+  for (const auto& block : mesh.blocks) {
+    ElementGroup group;
+    group.topology = block.topology;
+    group.blockName = blockLabel(block);
+    group.connectivity.assign(block.connectivity.begin(), block.connectivity.end());
+    if (mesh.elementNumbers.size() == mesh.numElements())
+      group.elementNumbers.assign(mesh.elementNumbers.begin() + first, mesh.elementNumbers.begin() + first + group.numElements());
+    first += group.numElements();
+    for (int e = 0; e < group.numElements(); ++e) {
+      if (block.topology == Topology::Hex8) elementGradients<Hex8Shape>(mesh.coordinates, group, e);
+      else elementGradients<Tet4Shape>(mesh.coordinates, group, e);
+    }
+  }
+}
+
+// A surface of inverted elements cannot be paired: then the element is what must be named.
+std::vector<ContactInterface> pairSurfaces(const Mesh& mesh, const std::vector<ContactSpec>& specs) {
+  try {
+    return buildContact(mesh, specs);
+  } catch (const InputError&) {
+    checkElements(mesh);
+    throw;
+  }
+}
+
 void readContact(const ParameterList& list, ModelData& data, GlobalModel& model) {
   std::vector<ContactSpec> specs;
   for (auto it = list.begin(); it != list.end(); ++it) {
@@ -99,7 +127,7 @@ void readContact(const ParameterList& list, ModelData& data, GlobalModel& model)
     data.friction.push_back(frictionSpec(contact.sublist("Friction")));
     specs.push_back(contactSpec(it->first, contact));
   }
-  model.interfaces = buildContact(model.mesh, specs);
+  model.interfaces = pairSurfaces(model.mesh, specs);
   for (const auto& interface : model.interfaces) {
     data.notes.insert(data.notes.end(), interface.notes.begin(), interface.notes.end());
     data.unpairedNodes += interface.unpairedNodes;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_PcpgSolver.hpp"
@@ -51,6 +52,16 @@ std::vector<std::string> leftOut(const ModelData& data, long pairs) {
   return notes;
 }
 
+// Known before the work starts, so said before it.
+void requireFittingMethod(const ParameterList& parameters, long pairs) {
+  const auto method = parameters.sublist("Solver").get<std::string>("Method");
+  if (method == "PCPG" && pairs > 0)
+    throw InputError("Solver->Method: PCPG is for models without contact, and this one has " + std::to_string(pairs) +
+                     " contact pairs; use Automatic");
+  if (method == "Subspace Newton" && parameters.sublist("Preconditioner").get<std::string>("Type") == "None")
+    throw InputError("Preconditioner->Type: Subspace Newton needs a preconditioner; use Dirichlet or Lumped");
+}
+
 }  // namespace
 
 Simulation::Simulation(RCP<const Communicator> comm, const ParameterList& parameters, Progress* progress, const SourceMesh* source)
@@ -73,6 +84,7 @@ void Simulation::prepare() {
         requireWritableFolder(output.get<std::string>(name), std::string("Output->") + name);
   });
   model_ = std::make_unique<DistributedModel>(distributeModel(comm_, parameters_, source_, clock_));
+  requireFittingMethod(parameters_, long(model_->multipliers->numPairs()));
   model_->nodalForces = nodalForces_;
   {
     const auto scope = clock_.time(Phase::Assemble);
@@ -116,10 +128,7 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
   const auto& list = parameters_.sublist("Solver");
   std::string method = list.get<std::string>("Method");
   const bool contact = model_->multipliers->numPairs() > 0;
-  if (method == "PCPG" && contact)
-    throw InputError("Solver->Method: PCPG is for models without contact, and this one has " +
-                     std::to_string(model_->multipliers->numPairs()) + " contact pairs; use Automatic");
-  if (method == "Automatic") method = contact ? "SMALSE" : "PCPG";
+  if (method == "Automatic" && !contact) method = "PCPG";
   SolverContext context{*system_, loads_, [this](const HistoryEntry& entry) {
     if (progress_)
       progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
@@ -134,9 +143,8 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
                                 localMethod(parameters_));
   }
   if (method == "PCPG") return std::make_unique<PcpgSolver>(context);
-  if (type == "None")
-    throw InputError("Preconditioner->Type: Subspace Newton needs a preconditioner; use Dirichlet or Lumped");
-  return std::make_unique<SubspaceNewtonSolver>(context);
+  if (method == "Subspace Newton") return std::make_unique<SubspaceNewtonSolver>(context);
+  return std::make_unique<AutomaticSolver>(context, list.sublist("SMALSE"));
 }
 
 Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {

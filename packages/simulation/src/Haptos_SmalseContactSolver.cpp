@@ -39,6 +39,21 @@ RCP<MultiVector> rightHandSide(const DualProblem& dual) {
   return b;
 }
 
+// Q of the gaps: the first multiplier of G lambda = e.  P spreads the gaps over all rows of b; this takes them
+// back, so that the first gradient has them in the contact rows alone.  From 0 the multiplier would have to grow to
+// the size of the largest gap first: with one of 1e3, displacements of 1e-3 were never resolved.
+RCP<MultiVector> gapMultiplier(const FetiSystem& system) {
+  Vector gaps(system.dual().map());
+  {
+    const auto c = system.c().getData(0);
+    const auto data = gaps.getDataNonConst(0);
+    for (const auto& pair : system.law().pairs()) data[pair.normal] = c[pair.normal];
+  }
+  auto multiplier = Teuchos::rcp(new MultiVector(system.dual().map(), 1));
+  system.dual().Q->apply(gaps, *multiplier);
+  return multiplier;
+}
+
 RCP<Teuchos::ParameterList> managerParameters(const Teuchos::ParameterList& user, const Manager& manager) {
   const std::pair<const char*, const char*> names[] = {
       {"Rho Factor", "Rho Factor"}, {"M Factor", "M0"}, {"M Floor", "M Floor"}, {"Beta", "Beta"},
@@ -84,6 +99,7 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::P
   impl_->fixedPoint = std::make_unique<CoulombFixedPoint>(dual.map(), system.law(), system.jump().multipliers(), first);
   impl_->program = Teuchos::rcp(new FetiProgram(dual, impl_->x, rightHandSide(dual), impl_->fixedPoint->set()));
   impl_->manager.setProblem(impl_->program);
+  impl_->manager.setMultiplier(gapMultiplier(system));
   impl_->manager.setParameters(managerParameters(parameters, impl_->manager));
   impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
   impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });

@@ -16,9 +16,9 @@ namespace {
 
 using Pairs = std::vector<PairLaw>;
 
-constexpr double kPenaltyFactor = 0.3;   // r relative to the median nodal stiffness
 constexpr double kFirstRatio = 10;       // axis ratio at which the continuation starts
-constexpr double kLevelTolerance = 0.1;  // of the jumps of the start
+constexpr double kLevelTolerance = 0.03;  // of the jumps of the start
+constexpr double kFirstFactor = 1.5;      // of the friction coefficients, before the true ones
 constexpr int kLevelStall = 25, kFinalStall = 12, kMaxRestarts = 4;
 
 // Coefficients times a factor.
@@ -76,7 +76,7 @@ struct SubspaceNewtonSolver::Impl {
         direction(dual, *context.system.preconditioner(), DualVectors::fromVector(*context.system.preconditioner()->diagonal()),
                   vectors, balance),
         subspace(vectors),
-        r(kPenaltyFactor * direction.medianNormalStiffness()),
+        r(direction.medianNormalStiffness()),
         iteration(dual, vectors, balance, direction, subspace, r),
         estimator(context.system, context.loads) {}
 
@@ -160,7 +160,7 @@ struct SubspaceNewtonSolver::Impl {
     const double ratio = largestAxisRatio(pairs(), vectors.comm());
     std::vector<Pairs> levels;
     if (ratio > kFirstRatio) levels = aspectLevels(pairs(), ratio, kFirstRatio, 4);
-    levels.push_back(scaled(pairs(), 1.5));
+    levels.push_back(scaled(pairs(), kFirstFactor));
     start();
     bool fresh = runLevels(levels, kLevelTolerance, kLevelStall);
     static const std::vector<std::vector<double>> detours = {
@@ -189,6 +189,17 @@ struct SubspaceNewtonSolver::Impl {
     state.s = s;
   }
 };
+
+void SubspaceNewtonSolver::startFrom(const DualSolution& solution) {
+  Impl& impl = *impl_;
+  if (!impl.started) impl.start();
+  impl.subspace.clear();
+  impl.state.lambda = DualVectors::fromVector(*solution.lambda);
+  impl.balance.balance(impl.state.lambda, impl.dual.e);
+  impl.state.s = DualVectors::fromVector(*solution.s);
+  for (Eigen::Index j = 0; j < impl.balance.numFloating(); ++j)
+    impl.subspace.add(Eigen::VectorXd::Zero(impl.vectors.numRows()), impl.balance.jumps().col(j));
+}
 
 SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context) : impl_(std::make_unique<Impl>(std::move(context))) {}
 SubspaceNewtonSolver::~SubspaceNewtonSolver() = default;

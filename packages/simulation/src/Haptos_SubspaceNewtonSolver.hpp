@@ -23,6 +23,9 @@ class SubspaceNewtonSolver final : public ContactSolver {
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override;
 
+  /// \brief Goes on from another method's multipliers and jumps, without continuation.  Collective.
+  void startFrom(const DualSolution& solution);
+
   bool gaveUp() const;
   double subspaceMemoryMb() const;
 

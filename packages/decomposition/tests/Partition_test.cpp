@@ -1,0 +1,225 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Partition.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <map>
+#include <queue>
+#include <set>
+
+#include "Haptos_BoxMesh.hpp"
+#include "Haptos_Error.hpp"
+
+namespace {
+
+using namespace Haptos;
+
+Mesh box(std::array<int, 3> divisions, Topology topology = Topology::Hex8) {
+  BoxSpec spec;
+  spec.blockName = "box";
+  spec.divisions = divisions;
+  spec.topology = topology;
+  return makeBoxes({spec});
+}
+
+Partition cut(const Mesh& mesh, const PartitionOptions& options) {
+  return partitionMesh(mesh, buildDualGraph(mesh), findBodies(mesh), options);
+}
+
+PartitionOptions metis(int subdomains, int seed = 1) {
+  PartitionOptions options;
+  options.subdomains = subdomains;
+  options.seed = seed;
+  return options;
+}
+
+PartitionOptions bricks(std::vector<int> part) {
+  PartitionOptions options;
+  options.method = PartitionMethod::Bricks;
+  options.bricks = std::move(part);
+  return options;
+}
+
+// Neighbours through whole sides, found from sets of nodes: independent of the dual graph.
+std::vector<std::vector<int>> neighboursThroughSides(const Mesh& mesh) {
+  std::map<std::set<std::int64_t>, std::vector<int>> sides;
+  int element = 0;
+  for (const auto& block : mesh.blocks) {
+    const int n = nodesPerElement(block.topology);
+    for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
+      for (int s = 0; s < sidesPerElement(block.topology); ++s) {
+        std::set<std::int64_t> nodes;
+        for (int i = 0; i < nodesPerSide(block.topology); ++i)
+          nodes.insert(block.connectivity[e * n + sideNodes(block.topology, s)[i]]);
+        sides[nodes].push_back(element);
+      }
+  }
+  std::vector<std::vector<int>> result(element);
+  for (const auto& [nodes, elements] : sides)
+    if (elements.size() == 2) {
+      result[elements[0]].push_back(elements[1]);
+      result[elements[1]].push_back(elements[0]);
+    }
+  return result;
+}
+
+// Number of side-connected pieces of all parts; equals the number of parts if every part is connected.
+int countPieces(const Mesh& mesh, const std::vector<int>& part) {
+  const auto neighbours = neighboursThroughSides(mesh);
+  std::vector<char> seen(part.size(), 0);
+  int pieces = 0;
+  for (std::size_t start = 0; start < part.size(); ++start) {
+    if (seen[start]) continue;
+    ++pieces;
+    std::queue<int> front;
+    front.push(int(start));
+    seen[start] = 1;
+    for (; !front.empty(); front.pop())
+      for (int other : neighbours[front.front()])
+        if (!seen[other] && part[other] == part[front.front()]) seen[other] = 1, front.push(other);
+  }
+  return pieces;
+}
+
+void checkParts(const Mesh& mesh, const Partition& partition, Teuchos::FancyOStream& out, bool& success) {
+  const std::set<int> used(partition.ofElement.begin(), partition.ofElement.end());
+  TEST_EQUALITY(int(used.size()), partition.count);
+  TEST_EQUALITY(*used.begin(), 0);
+  TEST_EQUALITY(*used.rbegin(), partition.count - 1);
+  TEST_EQUALITY(countPieces(mesh, partition.ofElement), partition.count);
+  TEST_EQUALITY(int(partition.bodyOfSubdomain.size()), partition.count);
+  TEST_ASSERT(std::is_sorted(partition.bodyOfSubdomain.begin(), partition.bodyOfSubdomain.end()));
+  const Bodies bodies = findBodies(mesh);
+  for (std::size_t e = 0; e < partition.ofElement.size(); ++e)
+    TEST_EQUALITY(bodies.ofElement[e], partition.bodyOfSubdomain[partition.ofElement[e]]);
+}
+
+// Two cubes that share the two nodes of one edge.
+Mesh hinge() {
+  BoxSpec left, right;
+  left.blockName = "left";
+  right.blockName = "right";
+  left.divisions = right.divisions = {2, 2, 2};
+  right.lower = {1, 0, 1};
+  right.upper = {2, 1, 2};
+  Mesh mesh = makeBoxes({left, right});
+  for (auto& node : mesh.blocks[1].connectivity)
+    for (std::int64_t other = 0; other < 27; ++other)
+      if (mesh.coordinates[other] == mesh.coordinates[node]) {
+        node = other;
+        break;
+      }
+  return mesh;
+}
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(Partition, MetisPartsAreConnectedThroughSides) {
+  for (const auto topology : {Topology::Hex8, Topology::Tet4})
+    for (const auto& divisions : {std::array<int, 3>{7, 5, 3}, std::array<int, 3>{12, 2, 1}, std::array<int, 3>{9, 9, 1}}) {
+      const Mesh mesh = box(divisions, topology);
+      for (int parts : {1, 4, 11, 17})
+        for (int seed : {1, 2, 3}) {
+          const Partition partition = cut(mesh, metis(parts, seed));
+          checkParts(mesh, partition, out, success);
+          TEST_EQUALITY(partition.count, parts);
+        }
+    }
+}
+
+// A 6 x 1 x 1 row coloured 0 0 1 0 2 2: the single 0 touches parts 1 and 2 by one side each.
+TEUCHOS_UNIT_TEST(Partition, FragmentsAreMended) {
+  const Mesh row = box({6, 1, 1});
+  const Partition partition = cut(row, bricks({0, 0, 1, 0, 2, 2}));
+  TEST_EQUALITY(partition.mended, 1);
+  TEST_EQUALITY(partition.count, 3);
+  TEST_EQUALITY(partition.ofElement[0], 0);
+  TEST_EQUALITY(partition.ofElement[1], 0);
+  TEST_ASSERT(partition.ofElement[3] != 0);
+  checkParts(row, partition, out, success);
+}
+
+TEUCHOS_UNIT_TEST(Partition, FragmentGoesToTheNeighbourWithMostSides) {
+  // The middle of a 3 x 3 x 1 plate belongs to part 1, of which the right column is the larger piece.
+  const Mesh plate = box({3, 3, 1});
+  const Partition partition = cut(plate, bricks({0, 0, 2, 0, 2, 1, 1, 1, 1}));
+  TEST_ASSERT(partition.mended > 0);
+  checkParts(plate, partition, out, success);
+  // Element 4 (centre) touches 0 twice and 1 twice, element 2 touches 0 and 1 once: the lone 2s are as large as
+  // each other, one of them stays.
+  TEST_EQUALITY(partition.count, 3);
+}
+
+// Every cell is a fragment by itself, and its neighbours are too: they must not change places for ever.
+TEUCHOS_UNIT_TEST(Partition, ChequeredColoursAreMended) {
+  const Mesh mesh = box({6, 5, 2});
+  std::vector<int> colours;
+  for (std::size_t e = 0; e < mesh.numElements(); ++e) colours.push_back(int(e % 6 + e / 6) % 3);
+  const int before = countPieces(mesh, colours);
+  const Partition partition = cut(mesh, bricks(colours));
+  TEST_ASSERT(before > partition.count);
+  TEST_ASSERT(partition.mended > 20 && partition.mended <= before - 3);
+  TEST_EQUALITY(partition.count, 3);
+  checkParts(mesh, partition, out, success);
+}
+
+TEUCHOS_UNIT_TEST(Partition, HingedBodyIsCutAtTheHinge) {
+  const Mesh mesh = hinge();
+  TEST_EQUALITY(findBodies(mesh).count, 1);
+  PartitionOptions block;
+  block.method = PartitionMethod::Block;
+  const Partition whole = cut(mesh, block);
+  TEST_EQUALITY(whole.count, 2);
+  TEST_EQUALITY(whole.bodyOfSubdomain[1], 0);
+  checkParts(mesh, whole, out, success);
+  const Partition parts = cut(mesh, metis(5));
+  TEST_EQUALITY(parts.count, 5);
+  checkParts(mesh, parts, out, success);
+  TEST_THROW(cut(mesh, metis(1)), InputError);
+}
+
+TEUCHOS_UNIT_TEST(Partition, BodiesAreCutByThemselves) {
+  BoxSpec small, large;
+  small.blockName = "small";
+  small.divisions = {2, 1, 1};
+  large.blockName = "large";
+  large.lower = {0, 0, 2};
+  large.upper = {1, 1, 3};
+  large.divisions = {4, 4, 4};
+  const Mesh mesh = makeBoxes({small, large});
+  const Partition partition = cut(mesh, metis(9));
+  checkParts(mesh, partition, out, success);
+  TEST_EQUALITY(partition.count, 9);
+  TEST_EQUALITY(partition.bodyOfSubdomain.front(), 0);
+  TEST_EQUALITY(std::count(partition.bodyOfSubdomain.begin(), partition.bodyOfSubdomain.end(), 0), 1);
+}
+
+TEUCHOS_UNIT_TEST(Partition, OneElementPerSubdomainAndNoMore) {
+  const Mesh mesh = box({3, 2, 1});
+  const Partition partition = cut(mesh, metis(6));
+  TEST_EQUALITY(partition.count, 6);
+  checkParts(mesh, partition, out, success);
+  TEST_THROW(cut(mesh, metis(7)), InputError);
+}
+
+TEUCHOS_UNIT_TEST(Partition, RanksGetContiguousGroups) {
+  const auto ranks = dealToRanks({1, 1, 1, 1, 4, 1, 1}, 3);
+  TEST_ASSERT(std::is_sorted(ranks.begin(), ranks.end()));
+  TEST_EQUALITY(ranks.front(), 0);
+  TEST_EQUALITY(ranks.back(), 2);
+  for (int rank : dealToRanks({2, 1}, 5)) TEST_ASSERT(rank >= 0 && rank < 5);  // ranks without subdomains
+}
+
+// Parts that reach into two bodies cannot stay one.
+TEUCHOS_UNIT_TEST(Partition, BricksAcrossBodiesAreSplit) {
+  BoxSpec lower, upper;
+  lower.blockName = "lower";
+  lower.divisions = upper.divisions = {2, 1, 1};
+  upper.blockName = "upper";
+  upper.lower = {0, 0, 2};
+  upper.upper = {1, 1, 3};
+  const Mesh mesh = makeBoxes({lower, upper});
+  const Partition partition = cut(mesh, bricks({0, 0, 0, 0}));
+  TEST_EQUALITY(partition.count, 2);
+  TEST_ASSERT(partition.mended > 0);
+  checkParts(mesh, partition, out, success);
+}

@@ -1,0 +1,114 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DualOperator.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+
+#include "FetiScene.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+Scene brickScene(int k, int p) {
+  Scene scene;
+  scene.mesh = makeTwoBeams({k, p});
+  scene.bodies = findBodies(scene.mesh);
+  PartitionOptions cut;
+  cut.method = PartitionMethod::Bricks;
+  cut.bricks = brickSubdomains({k, p});
+  scene.partition = partitionMesh(scene.mesh, buildDualGraph(scene.mesh), scene.bodies, cut);
+  scene.materials = {{"soft", 7.0, 0.3}, {"hard", 21.0, 0.25}};
+  return scene;
+}
+
+int numClasses(Scene& scene) {
+  scene.subdomains = extractSubdomains(scene.mesh, scene.partition, {0, 1});
+  LocalSystems systems;
+  systems.assemble(scene.subdomains, scene.materials, Formulation::Standard);
+  systems.factor(scene.subdomains, LocalSolverMethod::Automatic);
+  return systems.numClasses();
+}
+
+}  // namespace
+
+// The dense matrix knows nothing of ranks, so F is the same on any number of them.
+TEUCHOS_UNIT_TEST(DualOperator, EqualsDenseBKpBT) {
+  for (int subdomains : {3, 7}) {
+    const Scene scene = makeScene(heldScene(subdomains));
+    const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+    const Dense F = denseOf(*feti.F), reference = denseF(scene);
+    TEST_ASSERT(largest(reference) > 1e-3);
+    TEST_ASSERT(largest(F - reference) < 1e-11 * largest(reference));
+    TEST_EQUALITY(feti.F->applications(), long(scene.rows.numRows()));
+  }
+}
+
+TEUCHOS_UNIT_TEST(DualOperator, SymmetricAndPositiveSemidefinite) {
+  const Scene scene = makeScene(heldScene(6));
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const Dense F = denseOf(*feti.F);
+  TEST_ASSERT(largest(F - F.transpose()) < 1e-13 * largest(F));
+  TEST_ASSERT(smallestEigenvalue(F) > -1e-12 * largest(F));
+}
+
+TEUCHOS_UNIT_TEST(DualOperator, AlphaAndBeta) {
+  const Scene scene = makeScene(heldScene(4));
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const Dense F = denseF(scene), x = someColumns(F.cols(), 2), y0 = 2.0 * someColumns(F.cols(), 2);
+  const auto y = scatteredColumns(feti.map(), y0);
+  feti.F->apply(*scatteredColumns(feti.map(), x), *y, Teuchos::NO_TRANS, -3.0, 0.5);
+  TEST_ASSERT(largest(gathered(*y) - (-3.0 * F * x + 0.5 * y0)) < 1e-10 * largest(F));
+}
+
+// Two materials, so two classes; one moved node makes its brick a class of its own.
+TEUCHOS_UNIT_TEST(LocalSystems, BricksAreCongruentUntilANodeMoves) {
+  Scene scene = brickScene(2, 3);
+  TEST_EQUALITY(scene.partition.count, 32);
+  TEST_EQUALITY(numClasses(scene), 2);
+  const auto inside = [](const Point& x) {  // an inner node of one brick
+    return std::abs(x[0] - 1.0 / 6) < 1e-9 && std::abs(x[1] - 1.0 / 6) < 1e-9 && std::abs(x[2] - 1.0 / 6) < 1e-9;
+  };
+  int moved = 0;
+  for (auto& x : scene.mesh.coordinates)
+    if (inside(x)) x[0] += 1e-3, ++moved;
+  TEST_EQUALITY(moved, 1);
+  TEST_EQUALITY(numClasses(scene), 3);
+  for (auto& x : scene.mesh.coordinates)  // a node shared by bricks: every brick around it
+    if (std::abs(x[0] - 1.0) < 1e-9 && std::abs(x[1] - 0.5) < 1e-9 && std::abs(x[2] - 0.5) < 1e-9) x[1] += 1e-3, ++moved;
+  TEST_EQUALITY(moved, 2);
+  TEST_EQUALITY(numClasses(scene), 3 + 8);
+}
+
+TEUCHOS_UNIT_TEST(LocalSystems, JaggedPartsAreAllDifferent) {
+  SceneOptions options = heldScene(7);
+  options.lower = options.upper = {4, 3, 3};
+  Scene scene = makeScene(options);
+  TEST_EQUALITY(numClasses(scene), 7);
+}
+
+// Members of a class go through the factor together; the result is that of one after the other.
+TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
+  Scene scene = brickScene(1, 2);
+  TEST_EQUALITY(numClasses(scene), 2);
+  LocalSystems systems;
+  systems.assemble(scene.subdomains, scene.materials, Formulation::Standard);
+  systems.factor(scene.subdomains, LocalSolverMethod::Automatic);
+  std::vector<std::size_t> offsets{0};
+  for (const auto& sub : scene.subdomains) offsets.push_back(offsets.back() + sub.numDofs());
+  const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(offsets.back()), 0, Tpetra::getDefaultComm(), Tpetra::LocallyReplicated));
+  const Dense f = someColumns(Eigen::Index(offsets.back()), 2);
+  MultiVector u(map, 2);
+  systems.applyPseudoInverse(offsets, *scatteredColumns(map, f), u);
+  TEST_EQUALITY(systems.localSolves(), 8L);
+  const auto K = denseStiffness(scene);
+  for (std::size_t s = 0; s < K.size(); ++s) {
+    const Dense reference = densePseudoInverse(K[s]) * f.middleRows(Eigen::Index(offsets[s]), K[s].rows());
+    for (std::size_t v = 0; v < 2; ++v) {
+      const auto data = u.getData(v);
+      for (Eigen::Index i = 0; i < K[s].rows(); ++i)
+        TEST_ASSERT(std::abs(data[Eigen::Index(offsets[s]) + i] - reference(i, Eigen::Index(v))) < 1e-10 * largest(reference));
+    }
+  }
+}

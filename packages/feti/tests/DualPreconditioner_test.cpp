@@ -1,0 +1,150 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DualPreconditioner.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+
+#include "FetiScene.hpp"
+#include "Haptos_SubdomainSurface.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Pinned rows too: both sides are clamped at x = 0.
+Scene scene() {
+  SceneOptions options = heldScene(6);
+  options.lower = options.upper = {4, 3, 3};
+  return makeScene(options);
+}
+
+// W: 1 / weight where B has an entry, 0 elsewhere.
+Eigen::VectorXd denseW(const Scene& scene) {
+  const auto offsets = scene.offsets();
+  Eigen::VectorXd w = Eigen::VectorXd::Zero(offsets.back());
+  for (const auto& entry : scene.rows.entries) w[offsets[entry.subdomain] + entry.dof] = 1.0 / entry.weight;
+  return w;
+}
+
+// Schur complement on the surface, or its block of K; zero elsewhere.
+Dense denseS(const Subdomain& sub, const Dense& K, PreconditionerKind kind) {
+  const auto boundary = surfaceDofs(sub);
+  std::vector<char> on(K.rows(), 0);
+  for (int i : boundary) on[i] = 1;
+  std::vector<int> interior;
+  for (int i = 0; i < K.rows(); ++i)
+    if (!on[i]) interior.push_back(i);
+  const Eigen::Index nb = Eigen::Index(boundary.size()), ni = Eigen::Index(interior.size());
+  Dense Kbb(nb, nb), Kib(ni, nb), Kii(ni, ni);
+  for (Eigen::Index j = 0; j < nb; ++j) {
+    for (Eigen::Index i = 0; i < nb; ++i) Kbb(i, j) = K(boundary[i], boundary[j]);
+    for (Eigen::Index i = 0; i < ni; ++i) Kib(i, j) = K(interior[i], boundary[j]);
+  }
+  for (Eigen::Index j = 0; j < ni; ++j)
+    for (Eigen::Index i = 0; i < ni; ++i) Kii(i, j) = K(interior[i], interior[j]);
+  if (kind == PreconditionerKind::Dirichlet && ni > 0) Kbb -= Kib.transpose() * Kii.ldlt().solve(Kib);
+  Dense S = Dense::Zero(K.rows(), K.rows());
+  for (Eigen::Index j = 0; j < nb; ++j)
+    for (Eigen::Index i = 0; i < nb; ++i) S(boundary[i], boundary[j]) = Kbb(i, j);
+  return S;
+}
+
+Dense denseM(const Scene& scene, PreconditionerKind kind) {
+  const Dense B = denseB(scene);
+  const Dense BW = B * denseW(scene).asDiagonal();
+  const Dense BD = densePseudoInverse(BW * B.transpose()) * BW;
+  const auto K = denseStiffness(scene);
+  const auto offsets = scene.offsets();
+  Dense M = Dense::Zero(B.rows(), B.rows());
+  for (std::size_t s = 0; s < K.size(); ++s) {
+    const Dense D = BD.middleCols(offsets[s], K[s].rows());
+    M += D * denseS(scene.subdomains[s], K[s], kind) * D.transpose();
+  }
+  return M;
+}
+
+RCP<DualPreconditioner> make(const Scene& scene, const Feti& feti, PreconditionerKind kind) {
+  (void)scene;
+  return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic));
+}
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
+  const Scene s = scene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
+    const Dense M = denseOf(*make(s, feti, kind)), reference = denseM(s, kind);
+    TEST_ASSERT(largest(M - reference) < 1e-10 * largest(reference));
+  }
+  TEST_ASSERT(largest(denseM(s, PreconditionerKind::Dirichlet) - denseM(s, PreconditionerKind::Lumped)) >
+              1e-2 * largest(denseM(s, PreconditionerKind::Lumped)));  // the interiors are not empty
+}
+
+TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {
+  const Scene s = scene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
+    const Dense M = denseOf(*make(s, feti, kind));
+    TEST_ASSERT(largest(M - M.transpose()) < 1e-12 * largest(M));
+    TEST_ASSERT(smallestEigenvalue(M) > -1e-12 * largest(M));
+  }
+}
+
+TEUCHOS_UNIT_TEST(DualPreconditioner, PinnedRowsGiveNothing) {
+  const Scene s = scene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  const auto M = make(s, feti, PreconditionerKind::Dirichlet);
+  const Dense A = denseOf(*M), diagonal = gathered(*M->diagonal());
+  int pinned = 0;
+  for (Eigen::Index row = 0; row < A.rows(); ++row) {
+    if (s.rows.pinned[row]) {
+      ++pinned;
+      TEST_EQUALITY(largest(A.row(row)), 0.0);
+      TEST_EQUALITY(diagonal(row, 0), 0.0);
+    } else {
+      TEST_ASSERT(A(row, row) > 0 && diagonal(row, 0) > 0);
+    }
+  }
+  TEST_ASSERT(pinned > 0);
+}
+
+// Its spectrum with F must be far tighter than that of F alone: that is what it is for.
+TEUCHOS_UNIT_TEST(DualPreconditioner, TightensTheSpectrum) {
+  SceneOptions options = heldScene(6);
+  options.lower = options.upper = {6, 4, 4};
+  const Scene s = makeScene(options);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  const auto GGT = Teuchos::rcp(new CoarseProblem(*feti.comm, feti.G->rows(), {}, {}));
+  const Dense P = denseOf(Projector(feti.G, GGT, Projector::Onto::KernelOfG)), F = denseOf(*feti.F);
+  const auto spread = [](const Dense& A) {  // largest to smallest nonzero eigenvalue
+    const Eigen::VectorXd d = Eigen::EigenSolver<Dense>(A, false).eigenvalues().real();
+    double low = 1e300;
+    for (double value : d)
+      if (value > 1e-9 * d.maxCoeff()) low = std::min(low, value);
+    return d.maxCoeff() / low;
+  };
+  const double plain = spread(P * F * P);
+  const double better = spread(P * denseOf(*make(s, feti, PreconditionerKind::Dirichlet)) * P * F * P);
+  out << "condition of P F P " << plain << ", preconditioned " << better << "\n";
+  TEST_ASSERT(better < 0.25 * plain);
+}
+
+TEUCHOS_UNIT_TEST(RowGram, EqualsDensePseudoInverse) {
+  const Scene s = scene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  const Dense B = denseB(s);
+  for (bool scaled : {true, false}) {
+    const Dense gram = scaled ? Dense(B * denseW(s).asDiagonal() * B.transpose()) : Dense(B * B.transpose());
+    const Dense reference = densePseudoInverse(gram), x = someColumns(B.rows(), 1);
+    const RowGram rowGram(feti.dealt.jump->multipliers(), scaled);
+    const auto y = scatteredColumns(feti.map(), x);
+    rowGram.apply(*y, *y);
+    TEST_ASSERT(largest(gathered(*y) - reference * x) < 1e-11 * largest(reference));
+    const double coupling = largest(gram - Dense(gram.diagonal().asDiagonal())) / largest(gram);
+    out << "largest coupling of two rows " << coupling << "\n";
+    // Means and differences of copies are orthogonal; unequal weights couple them.
+    TEST_EQUALITY(coupling > 1e-3, scaled);
+  }
+}

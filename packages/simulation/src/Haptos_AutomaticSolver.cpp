@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_AutomaticSolver.hpp"
+
+namespace Haptos {
+
+AutomaticSolver::AutomaticSolver(SolverContext context, const Teuchos::ParameterList& smalse)
+    : context_(std::move(context)), smalseParameters_(smalse), newton_(context_), current_(&newton_) {}
+
+std::string AutomaticSolver::name() const {
+  if (work_.size() == 1) return work_.front().first;
+  std::string text;
+  for (const auto& [who, multiplications] : work_)
+    text += (text.empty() ? "" : ", ") + who + " (" + std::to_string(multiplications) + ")";
+  return text;
+}
+
+int AutomaticSolver::outerIterations() const {
+  return newton_.outerIterations() + (smalse_ ? smalse_->outerIterations() : 0);
+}
+
+bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
+  current_ = &solver;
+  const auto& F = *context_.system.dual().F;
+  const long before = F.applications();
+  const std::size_t known = solver.history().size();
+  const bool passed = solver.solve(request);
+  history_.insert(history_.end(), solver.history().begin() + std::ptrdiff_t(known), solver.history().end());
+  const long spent = F.applications() - before;
+  if (!work_.empty() && work_.back().first == solver.name()) work_.back().second += spent;
+  else work_.emplace_back(solver.name(), spent);
+  return passed;
+}
+
+bool AutomaticSolver::solve(const SolveRequest& request) {
+  constexpr double kStatesSettled = 1e-3;
+  if (current_ == &newton_) {
+    if (run(newton_, request)) return true;
+    if (!newton_.gaveUp()) return false;
+  }
+  if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseParameters_, newton_.solution().lambda);
+  if (!handedBack_) {
+    handedBack_ = true;
+    if (!run(*smalse_, {std::max(kStatesSettled, request.tolerance), request.maximumMultiplications})) return false;
+    newton_.startFrom(smalse_->solution());
+    if (run(newton_, request)) return true;
+    if (!newton_.gaveUp()) return false;
+  }
+  return run(*smalse_, request);
+}
+
+}  // namespace Haptos

@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Teuchos_ParameterList.hpp>
+#include <memory>
+
+#include "Haptos_SmalseContactSolver.hpp"
+#include "Haptos_SubspaceNewtonSolver.hpp"
+
+namespace Haptos {
+
+/// \brief Subspace Newton; where it gives up, SMALSE settles the states of contact and hands back.
+///
+/// If Newton gives up a second time, SMALSE goes on to the end.  `name` tells who did how many multiplications.
+class AutomaticSolver final : public ContactSolver {
+ public:
+  /// \param smalse the sublist Solver->SMALSE
+  AutomaticSolver(SolverContext context, const Teuchos::ParameterList& smalse);
+
+  std::string name() const override;
+  bool solve(const SolveRequest& request) override;
+  const DualSolution& solution() const override { return current_->solution(); }
+  const std::string& reason() const override { return current_->reason(); }
+  int outerIterations() const override;
+  const std::vector<HistoryEntry>& history() const override { return history_; }
+
+ private:
+  bool run(ContactSolver& solver, const SolveRequest& request);
+
+  SolverContext context_;
+  Teuchos::ParameterList smalseParameters_;
+  SubspaceNewtonSolver newton_;
+  std::unique_ptr<SmalseContactSolver> smalse_;
+  ContactSolver* current_;
+  bool handedBack_ = false;
+  std::vector<std::pair<std::string, long>> work_;  // who, multiplications
+  std::vector<HistoryEntry> history_;
+};
+
+}  // namespace Haptos

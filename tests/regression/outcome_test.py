@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Exit statuses 0, 2 and 3: what is solved, what is not converged, what has no solution."""
+import haptos_runs
+from haptos_runs import SceneTest, displacement, stack
+
+RANKS = (1, 3)
+
+
+def sliding(force):
+    """The upper cube is held by friction alone: pressed by 1, pulled by `force` along x; it slides at 0.3."""
+    scene = stack()
+    conditions = scene["Boundary Conditions"]
+    del conditions["side"]
+    conditions["pull"] = {"Type": "Traction", "Sets": ["upper_top"], "Value": [force, 0.0, 0.0]}
+    return scene
+
+
+class NoSolution(SceneTest):
+    def has_no_solution(self, scene, *parts):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                outcome = self.run_scene(scene, ranks=ranks)
+                self.assert_one_message(outcome, 3, *parts)
+                print("   ", outcome.messages[0])
+                self.assertNotIn("multiplications", outcome.out)
+                self.assertFalse((self.folder / "result.exo").exists())
+                self.assertFalse((self.folder / "summary.json").exists())
+
+    def test_body_that_nothing_holds(self):
+        scene = stack(Mesh__File="tower.exo")
+        scene["Materials"]["soft"]["Element Blocks"].append("third")
+        scene["Boundary Conditions"]["drift"] = {"Type": "Traction", "Sets": ["third_top"], "Value": [0.0, 2.0, 0.0]}
+        self.has_no_solution(scene, "'third'", "translation", "y")
+
+    def test_body_that_nothing_holds_turns(self):
+        scene = stack()
+        scene["Boundary Conditions"]["side"] = displacement(["upper_west"], components="xyz")
+        del scene["Boundary Conditions"]["side"], scene["Contact"]
+        scene["Boundary Conditions"]["press"] = {
+            "Type": "Traction", "Sets": ["upper_top"], "Value": ["0.5 - y", "x - 0.5", "0"]}
+        self.has_no_solution(scene, "'upper'", "rotation", "(0, 0, 1)")
+
+    def test_body_pulled_off(self):
+        scene = stack()
+        del scene["Boundary Conditions"]["side"]
+        scene["Boundary Conditions"]["press"]["Value"] = -1.0
+        self.has_no_solution(scene, "'upper'", "translation", "(0, 0, 1)")
+
+    def test_beyond_the_sliding_limit(self):
+        self.has_no_solution(sliding(0.303), "'upper'", "translation", "(1, 0, 0)", "friction")
+
+    def test_prescribed_displacements_overlap(self):
+        scene = stack()
+        scene["Boundary Conditions"]["floor"] = displacement(["lower_bottom", "lower_top"])
+        scene["Boundary Conditions"]["side"] = displacement(["upper_bottom"], (0.0, 0.0, -0.125))
+        self.has_no_solution(scene, "'joint'", "node", "overlap", "0.125")
+
+
+class Solved(SceneTest):
+    def solve(self, scene, *arguments, ranks=1):
+        outcome = self.run_scene(scene, *arguments, ranks=ranks)
+        self.assertEqual(outcome.status, 0, outcome)
+        self.assertEqual(outcome.messages, [], outcome)
+        return self.summary()
+
+    def test_held_by_friction_alone(self):
+        for part in (0.5, 0.9, 0.98):
+            with self.subTest(part=part):
+                for ranks in RANKS:
+                    summary = self.solve(sliding(0.3 * part), ranks=ranks)
+                    joint = summary["contact"]["joint"]
+                    self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
+                    self.assertAlmostEqual(joint["normal_force"], 1.0, delta=1e-5)
+                    self.assertAlmostEqual(joint["tangential_force"][0], -0.3 * part, delta=1e-5)
+                    self.assertGreater(joint["stick"], 0, "nothing sticks, so nothing holds")
+
+    def test_overlap_within_the_gap(self):
+        """A clamped pair that just touches is pinned, and the rest is solved."""
+        scene = stack()
+        scene["Boundary Conditions"]["floor"] = displacement(["lower_bottom", "lower_top"])
+        scene["Boundary Conditions"]["side"] = displacement(["upper_bottom"])
+        summary = self.solve(scene)
+        self.assertEqual(summary["model"]["pinned_rows"], 3 * summary["model"]["contact_pairs"])
+
+
+class NotConverged(SceneTest):
+    def test_too_few_multiplications(self):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                outcome = self.run_scene(stack(Solver={"Maximum Hessian Multiplications": 5}), ranks=ranks)
+                self.assertEqual(outcome.status, 2, outcome)
+                self.assertEqual(len(outcome.messages), 1, outcome)
+                self.assertIn("not converged", outcome.out)
+                self.assertIn("hessian multiplications", outcome.messages[0].lower())
+                summary = self.summary()
+                self.assertEqual(summary["solver"]["status"], "not converged")
+                self.assertIn("hessian multiplications", summary["solver"]["reason"].lower())
+                self.assertGreater(summary["accuracy"]["kkt"], 1e-6)
+                self.assertGreater((self.folder / "result.exo").stat().st_size, 0)
+                self.assertIn(b"displacement_x", (self.folder / "result.exo").read_bytes())
+
+
+if __name__ == "__main__":
+    haptos_runs.main()

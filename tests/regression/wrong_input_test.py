@@ -1,0 +1,200 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Wrong inputs: exit status 1, one message that says what is wrong and what would be right, no file left."""
+import copy
+import os
+import unittest
+
+import haptos_runs
+from haptos_runs import STACK, SceneTest, displacement, material, stack, xml_of
+
+RANKS = (1, 3)
+NO_SUCH_FOLDER = "no_such_folder"
+
+
+class WrongInput(SceneTest):
+    def refuse(self, scene, *parts, arguments=()):
+        for ranks in RANKS:
+            with self.subTest(ranks=ranks):
+                before = {path.name for path in self.folder.rglob("*")} | {"scene.xml"}
+                outcome = self.run_scene(scene, *arguments, ranks=ranks)
+                self.assert_one_message(outcome, 1, *parts)
+                self.assertEqual({path.name for path in self.folder.rglob("*")}, before, "a file is left behind")
+                self.assertEqual(outcome.out, "", "nothing is printed before the message")
+
+
+class WrongParameters(WrongInput):
+    def test_unknown_parameter(self):
+        self.refuse(stack(**{"Solver": {"Relative Tolerence": 1e-6}}), "Solver->Relative Tolerence", "Relative Tolerance")
+
+    def test_unknown_list(self):
+        self.refuse(stack(Contacts={}), "Contacts", "'Contact'")
+
+    def test_unknown_parameter_on_the_command_line(self):
+        self.refuse(stack(), "Relative Tolerances", "'Relative Tolerance'",
+                    arguments=["--set", "Solver->Relative Tolerances=1e-6"])
+
+    def test_unknown_option(self):
+        self.refuse(stack(), "--validate", "--validate-only", arguments=["--validate"])
+
+    def test_wrong_type(self):
+        self.refuse(stack(Decomposition__Subdomains="four"), "Decomposition->Subdomains", "int")
+
+    def test_wrong_type_on_the_command_line(self):
+        self.refuse(stack(), "Decomposition->Subdomains", "'four'", "int", arguments=["--set", "Decomposition->Subdomains=four"])
+
+    def test_out_of_range(self):
+        for ratio in (0.5, 0.7, -1.25):
+            scene = stack()
+            scene["Materials"]["soft"]["Poisson's Ratio"] = ratio
+            self.refuse(scene, "Materials->soft->Poisson's Ratio", str(ratio), "-1 < value < 0.5")
+
+    def test_not_a_number(self):
+        for text in ("nan", "inf"):
+            self.refuse(stack(), "Materials->soft->Young's Modulus", text,
+                        arguments=["--set", f"Materials->soft->Young's Modulus={text}"])
+
+    def test_not_a_number_in_an_array(self):
+        scene = stack()
+        scene["Boundary Conditions"]["side"]["Value"] = [0.0, float("nan"), 0.0]
+        self.refuse(scene, "Boundary Conditions->side->Value", "nan")
+
+    def test_unknown_choice(self):
+        self.refuse(stack(Solver={"Method": "Smalse"}), "Solver->Method", "'SMALSE'")
+
+    def test_missing_parameter(self):
+        scene = stack()
+        del scene["Materials"]["soft"]["Young's Modulus"]
+        self.refuse(scene, "Materials->soft->Young's Modulus")
+
+    def test_pcpg_with_contact(self):
+        self.refuse(stack(Solver={"Method": "PCPG"}), "Solver->Method", "PCPG", "9 contact pairs", "Automatic")
+
+    def test_newton_without_preconditioner(self):
+        self.refuse(stack(Solver={"Method": "Subspace Newton"}, Preconditioner={"Type": "None"}),
+                    "Preconditioner->Type", "Subspace Newton", "Dirichlet", "Lumped")
+
+    def test_mortar(self):
+        scene = stack()
+        scene["Contact"]["joint"]["Discretization"] = "Mortar"
+        self.refuse(scene, "Contact->joint->Discretization", "Mortar", "Node To Node")
+
+
+class WrongXml(WrongInput):
+    def test_missing_file(self):
+        for ranks in RANKS:
+            outcome = haptos_runs.run_haptos(["elsewhere.xml"], ranks, self.folder)
+            self.assert_one_message(outcome, 1, "'elsewhere.xml'", "does not exist")
+
+    def test_malformed(self):
+        whole = xml_of(STACK)
+        for text in (whole[: len(whole) // 2], whole.replace("</ParameterList>", "</ParameterLost>", 1),
+                     whole.replace('name="Mesh"', 'name="Mesh', 1), "", "nothing of the kind"):
+            self.refuse(text, "scene.xml")
+
+    def test_other_root(self):
+        self.refuse(xml_of(STACK, "Calculix"), "Calculix", "Haptos")
+
+
+class WrongMesh(WrongInput):
+    def test_missing_file(self):
+        self.refuse(stack(Mesh__File="stick.exo"), "stick.exo")
+
+    def test_truncated_file(self):
+        whole = (self.folder / "stack.exo").read_bytes()
+        for part in (0.1, 0.5, 0.95):
+            (self.folder / "short.exo").write_bytes(whole[: int(part * len(whole))])
+            self.refuse(stack(Mesh__File="short.exo"), "short.exo")
+
+    def test_text_file(self):
+        (self.folder / "text.exo").write_text("solid cube\n")
+        self.refuse(stack(Mesh__File="text.exo"), "text.exo")
+
+    def test_folder(self):
+        (self.folder / "folder.exo").mkdir()
+        self.refuse(stack(Mesh__File="folder.exo"), "folder.exo")
+
+    def test_coordinate_is_not_a_number(self):
+        self.refuse(stack(Mesh__File="not_a_number.exo"), "not_a_number.exo", "8", "nan")
+
+    def test_inverted_element(self):
+        self.refuse(stack(Mesh__File="inverted.exo"), "14", "inverted")
+
+    def test_missing_side_set(self):
+        existing = ["lower_top", "upper_bottom", "upper_top"]
+        scene = stack()
+        scene["Boundary Conditions"]["press"]["Sets"] = ["upper_tip"]
+        self.refuse(scene, "Boundary Conditions->press->Sets", "'upper_tip'", *existing)
+        scene = stack()
+        scene["Boundary Conditions"]["floor"]["Sets"] = ["flor"]
+        self.refuse(scene, "Boundary Conditions->floor->Sets", "'flor'", *existing)
+        scene = stack()
+        scene["Contact"]["joint"]["Primary Side Set"] = "lower_tip"
+        self.refuse(scene, "'joint'", "Primary Side Set", "'lower_tip'", *existing)
+
+    def test_block_without_material(self):
+        self.refuse(stack(Materials={"soft": material(["lower"])}), "'upper'", "no material")
+
+    def test_missing_block(self):
+        self.refuse(stack(Materials={"soft": material(["lower", "uper"])}), "Materials->soft->Element Blocks", "'uper'",
+                    "lower", "upper")
+
+    def test_non_matching_interface(self):
+        self.refuse(stack(Mesh__File="non_matching.exo"), "'joint'", "match")
+
+
+class WrongConditions(WrongInput):
+    def with_press(self, expression):
+        scene = stack()
+        scene["Boundary Conditions"]["press"]["Value"] = expression
+        return scene
+
+    def test_expression_does_not_parse(self):
+        for expression in ("2*(x", "q*x", "x +* y", "sin()"):
+            self.refuse(self.with_press(expression), "Boundary Conditions->press->Value", expression)
+
+    def test_expression_gives_nan(self):
+        self.refuse(self.with_press("sqrt(x - 5)"), "Boundary Conditions->press->Value", "sqrt(x - 5)")
+
+    def test_expression_gives_nan_on_one_rank_alone(self):
+        self.refuse(self.with_press("sqrt(0.6 - x)"), "Boundary Conditions->press->Value", "sqrt(0.6 - x)")
+
+    def test_displacement_gives_nan(self):
+        scene = stack()
+        scene["Boundary Conditions"]["side"]["Value"] = ["0", "0/(z - 1)", "0"]
+        self.refuse(scene, "Boundary Conditions->side->Value", "0/(z - 1)")
+
+    def test_contradicting_displacements(self):
+        scene = copy.deepcopy(STACK)
+        scene["Boundary Conditions"]["twist"] = displacement(["upper_south"], (0.0, 0.25, 0.0))
+        self.refuse(scene, "Boundary Conditions->twist", "Boundary Conditions->side", "y-displacement", "0.25", "node")
+
+
+class WrongOutput(WrongInput):
+    """Found before the mesh is read."""
+
+    def test_missing_folder(self):
+        self.refuse(stack(Output__File=NO_SUCH_FOLDER + "/result.exo"), "Output->File", NO_SUCH_FOLDER)
+        self.refuse(stack(Output__Summary=NO_SUCH_FOLDER + "/summary.json"), "Output->Summary", NO_SUCH_FOLDER)
+
+    def test_file_in_the_place_of_a_folder(self):
+        self.refuse(stack(Output__File="stack.exo/result.exo"), "Output->File", "stack.exo")
+
+    def test_folder_in_the_place_of_a_file(self):
+        (self.folder / "result.exo").mkdir()
+        (self.folder / "summary.json").mkdir()
+        self.refuse(stack(Output__Summary=""), "result.exo")
+        self.refuse(stack(Output__File=""), "summary.json")
+
+    def test_folder_is_not_writable(self):
+        locked = self.folder / "locked"
+        locked.mkdir()
+        locked.chmod(0o555)
+        if os.access(locked, os.W_OK):  # the administrator may write everywhere but there
+            locked = "/proc"
+        if os.access(locked, os.W_OK) and not os.path.isdir("/proc/self"):
+            self.skipTest("every folder is writable here")
+        self.refuse(stack(Output__File=f"{locked}/result.exo"), "Output->File", str(locked))
+
+
+if __name__ == "__main__":
+    haptos_runs.main()

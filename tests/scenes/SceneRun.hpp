@@ -1,0 +1,47 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <vector>
+
+#include "Haptos_Simulation.hpp"
+#include "Scenes.hpp"
+
+namespace Haptos::Scenes {
+
+struct RunOptions {
+  std::string method = "Automatic";
+  double tolerance = 0;  ///< 0: the scene's own
+};
+
+/// \brief What became of a scene.
+struct SceneOutcome {
+  int status = 70;      ///< exit status that the program would give
+  std::string message;  ///< of the error, or the solver's reason
+  SimulationResult result;
+  double tolerance = 0;
+
+  // Rank 0 only.
+  bool compared = false;
+  ReferenceSolution reference;
+  double forceError = 0;         ///< largest difference of a contact force / l_ref
+  double displacementError = 0;  ///< largest difference of a nodal displacement / u_ref
+  std::vector<std::string> failures;
+};
+
+/// \brief Runs a scene as the program would, compares it with the dense reference on rank 0, and lists what is
+/// not as it should be.  Collective.
+SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options);
+
+/// \brief Compares a scene with its twin in other units: counts within 2, the same forces.  Rank 0.
+void compareWithTwin(const Scene& scene, SceneOutcome& outcome, const Scene& twin, const SceneOutcome& other);
+
+/// \brief The table of doc/scenes.md.
+std::string markdownTable(const std::vector<Scene>& scenes, const std::vector<SceneOutcome>& outcomes, const RunOptions& options);
+
+/// \brief One line for people.
+std::string summaryLine(const Scene& scene, const SceneOutcome& outcome);
+
+/// \brief Largest number of multiplications by F that a method promises on these scenes; 0: it promises none.
+long promisedMultiplications(const std::string& method);
+
+}  // namespace Haptos::Scenes
