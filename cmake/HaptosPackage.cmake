@@ -45,7 +45,7 @@ function(haptos_add_test name)
     add_test(NAME ${name}_np${ranks} COMMAND ${HAPTOS_MPIRUN} -n ${ranks} $<TARGET_FILE:test_${name}> ${arg_ARGS})
     set_tests_properties(${name}_np${ranks} PROPERTIES
       LABELS "${arg_LABELS}" PROCESSORS ${ranks} TIMEOUT ${arg_TIMEOUT}
-      ENVIRONMENT "OPENBLAS_NUM_THREADS=1;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1"
+      ENVIRONMENT "OPENBLAS_NUM_THREADS=1;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_mpi_yield_when_idle=1"
       PASS_REGULAR_EXPRESSION "End Result: TEST PASSED" FAIL_REGULAR_EXPRESSION "End Result: TEST FAILED")
   endforeach()
 endfunction()

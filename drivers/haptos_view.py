@@ -147,7 +147,7 @@ def draw_bodies(plotter, blocks, field, edges):
         else:
             plotter.add_mesh(skin, scalars="shown", cmap="turbo", ambient=0.35, diffuse=0.7, show_edges=edges, line_width=0.5,
                              nan_color="#dddddd", clim=[np.nanmin(values), np.nanpercentile(values, 99.8)],
-                             scalar_bar_args={"title": field, "vertical": False, "fmt": "%.3g",
+                             scalar_bar_args={"title": field + "\n", "vertical": False, "fmt": "%.3g",
                                               "position_x": 0.2, "position_y": 0.02, "width": 0.6, "height": 0.07,
                                               "title_font_size": 16, "label_font_size": 14})
 
@@ -174,7 +174,7 @@ def draw_contact(plotter, patches):
 def aim(plotter, view):
     plotter.view_vector(CAMERA[view], viewup=(0, 0, 1) if view in ("x", "-x", "y", "-y") else (0, 1, 0))
     plotter.enable_parallel_projection()
-    plotter.camera.zoom(0.9)
+    plotter.camera.zoom(0.84)
 
 
 def draw(options):

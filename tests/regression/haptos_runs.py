@@ -54,9 +54,10 @@ def run_haptos(arguments, ranks=1, folder=None, timeout=300):
     if ranks > 1:
         command = [*shlex.split(programs.mpirun), "-n", str(ranks), *command]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1",
-                   "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True, timeout=timeout)
-    return Outcome(done.returncode, done.stdout, done.stderr)
+                   "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                   "OMPI_MCA_mpi_yield_when_idle": "1"}
+    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, timeout=timeout)
+    return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
 
 
 def _parameter(name, value):

@@ -27,6 +27,14 @@ Mesh stack(int lowerDivisions, int upperDivisions) {
   return makeBoxes({cube("lower", 0, lowerDivisions), cube("upper", 1, upperDivisions)});
 }
 
+/// The upper cube beside the lower one, not over it.
+Mesh apart() {
+  auto upper = cube("upper", 1, 2);
+  upper.lower[0] += 10;
+  upper.upper[0] += 10;
+  return makeBoxes({cube("lower", 0, 2), upper});
+}
+
 /// Element 6 of the upper cube with its bottom and top changed: every corner has a negative Jacobian.
 Mesh inverted() {
   Mesh mesh = stack(2, 2);
@@ -51,6 +59,7 @@ int main(int argc, char* argv[]) {
   const std::string folder = argv[1];
   writeMesh(folder + "/stack.exo", stack(2, 2));
   writeMesh(folder + "/tower.exo", makeBoxes({cube("lower", 0, 2), cube("upper", 1, 2), cube("third", 5, 2)}));
+  writeMesh(folder + "/apart.exo", apart());
   writeMesh(folder + "/non_matching.exo", stack(2, 3));
   writeMesh(folder + "/inverted.exo", inverted());
   writeMesh(folder + "/not_a_number.exo", notANumber());

@@ -155,7 +155,7 @@ class WrongConditions(WrongInput):
     def test_expression_gives_nan(self):
         self.refuse(self.with_press("sqrt(x - 5)"), "Boundary Conditions->press->Value", "sqrt(x - 5)")
 
-    def test_expression_gives_nan_on_one_rank_alone(self):
+    def test_expression_gives_nan_in_a_part(self):
         self.refuse(self.with_press("sqrt(0.6 - x)"), "Boundary Conditions->press->Value", "sqrt(0.6 - x)")
 
     def test_displacement_gives_nan(self):
@@ -184,6 +184,11 @@ class WrongOutput(WrongInput):
         (self.folder / "summary.json").mkdir()
         self.refuse(stack(Output__Summary=""), "result.exo")
         self.refuse(stack(Output__File=""), "summary.json")
+
+    def test_pipe_in_the_place_of_a_file(self):
+        os.mkfifo(self.folder / "pipe")  # a device would do as well, but a test should not risk one
+        self.refuse(stack(Output__File="pipe"), "Output->File", "'pipe'", "device or a pipe")
+        self.refuse(stack(Output__Summary="pipe"), "Output->Summary", "'pipe'", "device or a pipe")
 
     def test_folder_is_not_writable(self):
         locked = self.folder / "locked"

@@ -84,6 +84,30 @@ double DenseReference::largestAllowedDisplacement() const {
   return 1e3 * largest;
 }
 
+// Errors of the contact law, as the contract defines kkt, and the states of the pairs.
+void DenseReference::measureLaw(ReferenceSolution& r) const {
+  for (Index i = 0; i < contact_.numPairs(); ++i) {
+    const Eigen::Vector3d l = r.lambda.row(i), s = r.jump.row(i);
+    const ReferenceLaw& law = laws_[i];
+    const double stiffness = r.uRef > 0 ? r.lRef / r.uRef : 0;
+    const Eigen::Vector3d P = projectOnLaw(law, l).point;
+    Eigen::Vector3d pushed = l;
+    pushed.tail<2>() += stiffness * s.tail<2>();
+    r.kkt = std::max(r.kkt, ratio((l - P).norm(), r.lRef));
+    r.kkt = std::max(r.kkt, ratio((l - projectOnLaw(law, pushed).point).tail<2>().norm(), r.lRef));
+    if (!law.normalPinned) {
+      r.kkt = std::max(r.kkt, ratio(std::max(0.0, s[0]), r.uRef));
+      r.kkt = std::max(r.kkt, std::min(ratio(std::max(0.0, l[0]), r.lRef), ratio(std::max(0.0, -s[0]), r.uRef)));
+    }
+    const double g = law.slipForce < 0 ? l[0] : law.slipForce;
+    double radius = 0;
+    bool holds = false;
+    for (int t = 0; t < 2; ++t)
+      if (law.coefficients[t] > 0 && g > 0) radius = std::hypot(radius, l[1 + t] / (law.coefficients[t] * g)), holds = true;
+    ++r.states[l[0] <= 1e-9 * r.lRef ? 2 : holds && radius < 1 - 1e-6 ? 0 : 1];
+  }
+}
+
 ReferenceSolution DenseReference::check(const ContactState& state, VectorXd& jump) const {
   ReferenceSolution r;
   const Index m = contact_.numPairs();
@@ -112,26 +136,7 @@ ReferenceSolution DenseReference::check(const ContactState& state, VectorXd& jum
   r.lRef = std::max(m > 0 ? r.lambda.rowwise().norm().maxCoeff() : 0.0, 1e-3 * load);
   r.equilibrium = ratio(bodies_.residual(right, u).norm(), ext);
   r.roundOff = ratio(std::numeric_limits<double>::epsilon() * bodies_.roundOffScale(u), ext);
-  for (Index i = 0; i < m; ++i) {
-    const Eigen::Vector3d l = r.lambda.row(i), s = r.jump.row(i);
-    const ReferenceLaw& law = laws_[i];
-    const double stiffness = r.uRef > 0 ? r.lRef / r.uRef : 0;
-    const Eigen::Vector3d P = projectOnLaw(law, l).point;
-    Eigen::Vector3d pushed = l;
-    pushed.tail<2>() += stiffness * s.tail<2>();
-    r.kkt = std::max(r.kkt, ratio((l - P).norm(), r.lRef));
-    r.kkt = std::max(r.kkt, ratio((l - projectOnLaw(law, pushed).point).tail<2>().norm(), r.lRef));
-    if (!law.normalPinned) {
-      r.kkt = std::max(r.kkt, ratio(std::max(0.0, s[0]), r.uRef));
-      r.kkt = std::max(r.kkt, std::min(ratio(std::max(0.0, l[0]), r.lRef), ratio(std::max(0.0, -s[0]), r.uRef)));
-    }
-    const double g = law.slipForce < 0 ? l[0] : law.slipForce;
-    double radius = 0;
-    bool holds = false;
-    for (int t = 0; t < 2; ++t)
-      if (law.coefficients[t] > 0 && g > 0) radius = std::hypot(radius, l[1 + t] / (law.coefficients[t] * g)), holds = true;
-    ++r.states[l[0] <= 1e-9 * r.lRef ? 2 : holds && radius < 1 - 1e-6 ? 0 : 1];
-  }
+  measureLaw(r);
   r.kkt = std::max(r.kkt, ratio((contact_.H.transpose() * state.lambda - contact_.e).norm(), ext));
   return r;
 }
@@ -175,7 +180,7 @@ ReferenceSolution DenseReference::trySuccessiveTresca(ContactState state) {
       bound[i] = laws[i].slipForce = g;
     }
     if (k > 0 && change <= 1e-10 * bound.cwiseAbs().maxCoeff()) break;
-    solveTrescaByAdmm(contact_, laws, 1e-13, 20000, state);
+    if (solveTrescaByAdmm(contact_, laws, 1e-13, 20000, state) > 1e-8) break;  // balance and law do not meet
   }
   return polish("Tresca steps", state, 0);
 }
@@ -187,13 +192,15 @@ ReferenceSolution DenseReference::solve() {
   for (const auto& law : laws_)
     for (double F : law.coefficients)
       if (F > 0) smallest = std::min(smallest, F / std::max(law.coefficients[0], law.coefficients[1]));
-  std::vector<std::pair<std::string, std::vector<Laws>>> paths{{"Newton", {}}, {"from larger friction", {}}, {"from smaller friction", {}}};
+  std::vector<std::pair<std::string, std::vector<Laws>>> paths{
+      {"Newton", {}}, {"from larger friction", {}}, {"from smaller friction", {}}};
   if (smallest < 0.1) {
     std::vector<Laws> path;
     for (double floor = 0.25; floor > smallest; floor /= 2) path.push_back(lawsWith(1.0, floor));
     paths.insert(paths.begin() + 1, {"from a rounder ellipse", path});
   }
-  for (double factor : {8.0, 4.0, 3.0, 2.0, 1.7, 1.5, 1.35, 1.2, 1.1, 1.05, 1.02}) paths[paths.size() - 2].second.push_back(lawsWith(factor, 0));
+  for (double factor : {8.0, 4.0, 3.0, 2.0, 1.7, 1.5, 1.35, 1.2, 1.1, 1.05, 1.02})
+    paths[paths.size() - 2].second.push_back(lawsWith(factor, 0));
   for (int i = 0; i < 20; ++i) paths.back().second.push_back(lawsWith(i / 20.0, 0));
   for (const auto& [name, path] : paths) {
     const ReferenceSolution solution = tryPath(name, path, tied);

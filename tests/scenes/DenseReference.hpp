@@ -73,6 +73,7 @@ class DenseReference {
   ReferenceSolution trySuccessiveTresca(ContactState state);
   ReferenceSolution polish(const std::string& name, ContactState state, int steps);
   ReferenceSolution check(const ContactState& state, Eigen::VectorXd& trueJump) const;
+  void measureLaw(ReferenceSolution& solution) const;
   double largestAllowedDisplacement() const;
 
   ReferenceProblem problem_;

@@ -10,7 +10,9 @@ namespace Haptos::Scenes {
 
 struct RunOptions {
   std::string method = "Automatic";
-  double tolerance = 0;  ///< 0: the scene's own
+  double tolerance = 0;      ///< 0: the scene's own
+  bool idleContact = false;     ///< some rank must have no contact pair
+  bool idleSubdomains = false;  ///< some rank must have no subdomain
 };
 
 /// \brief What became of a scene.
@@ -19,6 +21,7 @@ struct SceneOutcome {
   std::string message;  ///< of the error, or the solver's reason
   SimulationResult result;
   double tolerance = 0;
+  long fewestPairs = 0, fewestSubdomains = 0;  ///< of all ranks
 
   // Rank 0 only.
   bool compared = false;
@@ -36,7 +39,7 @@ SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, c
 void compareWithTwin(const Scene& scene, SceneOutcome& outcome, const Scene& twin, const SceneOutcome& other);
 
 /// \brief The table of doc/scenes.md.
-std::string markdownTable(const std::vector<Scene>& scenes, const std::vector<SceneOutcome>& outcomes, const RunOptions& options);
+std::string markdownTable(const std::vector<Scene>& scenes, const std::vector<SceneOutcome>& outcomes);
 
 /// \brief One line for people.
 std::string summaryLine(const Scene& scene, const SceneOutcome& outcome);

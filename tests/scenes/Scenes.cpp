@@ -74,8 +74,7 @@ void addGeometry(Table& table) {
     s.gap = -1e-3;
     s.holds = heldAtOtherEnd({0, 0, 0});
     s.loads.clear();
-    s.friction = {1, 1};
-    s.atLeast = {1, 10, 1};
+    s.atLeast = {0, 30, 5};
   });
   table.add("gap-1e-12", "a gap of 1e-12", [](Scene& s) {
     s.gap = 1e-12;
@@ -157,7 +156,7 @@ void addConstraints(Table& table) {
     s.loads.clear();
     s.holds = heldAtOtherEnd({1e-4, 5e-5, -2e-3});
     s.friction = {1, 1};
-    s.atLeast = {1, 10, 1};
+    s.atLeast = {1, 10, 0};
   });
   table.add("clamps-overlap", "clamped pairs that penetrate: no solution", [](Scene& s) {
     s.holds[1].value = {0, 0, -1e-3};
@@ -288,19 +287,31 @@ void addDecompositions(Table& table) {
     s.skew = true;
     s.atLeast = {5, 5, 5};
   });
-  table.add("needles-standing", "needle elements of aspect 100 across the contact", [](Scene& s) {
-    s.stretch = {0.01, 0.01, 1};
-    s.holds = {{"lower_bottom", "xyz"}, {"upper_top", "xyz", {1e-4, 5e-5, -1e-3}}};
-    s.loads.clear();
-    s.atLeast = {1, 10, 0};
-  });
+  for (const auto& [name, what, cut] :
+       {std::tuple{"needles-standing", "needle elements of aspect 100 across the contact, one subdomain per body", "Block"},
+        {"needles-standing-bricks", "the same, cut into bricks that are needles themselves", "Bricks"}})
+    table.add(name, what, [cut = cut](Scene& s) {
+      s.decomposition = cut;
+      s.stretch = {0.01, 0.01, 1};
+      s.holds = {{"lower_bottom", "xyz"}, {"upper_top", "xyz", {1e-4, 5e-5, -1e-3}}};
+      s.loads.clear();
+      s.atLeast = {1, 10, 0};
+    });
   table.add("needles-lying", "needle elements of aspect 100 along the beam", [](Scene& s) {
     s.stretch = {100, 1, 1};
     s.atLeast = {5, 1, 5};
   });
+  table.add("needles-no-contact", "the same beams without contact", [](Scene& s) {
+    s.stretch = {100, 1, 1};
+    s.contact = false;
+  });
   table.add("plates-lying", "flat elements of aspect 100 on the contact", [](Scene& s) {
     s.stretch = {1, 1, 0.01};
     s.atLeast = {10, 0, 5};
+  });
+  table.add("plates-no-contact", "the same plates without contact", [](Scene& s) {
+    s.stretch = {1, 1, 0.01};
+    s.contact = false;
   });
   for (const auto& [name, what, element] : {std::tuple{"inverted-element", "one element turned inside out", 49},
                                             {"inverted-at-contact", "the same, at the contact surface", 100}})

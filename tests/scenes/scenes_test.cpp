@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Runs scenes on which contact methods fail and compares them with the dense reference.
 //
-//   scenes_test --scene NAME [--scene NAME]... | --all | --list
-//               [--method M] [--tolerance T] [--table FILE]
+//   scenes_test --scene NAME [--scene NAME]... | --all | --list | --registered "NAME;NAME;..."
+//               [--method M] [--tolerance T] [--decomposition D] [--table FILE] [--some-rank-without contact|subdomains]
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultComm.hpp>
 #include <Tpetra_Core.hpp>
@@ -21,8 +21,9 @@ using namespace Haptos::Scenes;
 struct Options {
   std::vector<Scene> scenes;
   RunOptions run;
-  std::string table;
+  std::string table, decomposition;
   bool list = false;
+  std::string registered;  ///< names joined by ';'
 };
 
 Options parse(int argc, char* argv[]) {
@@ -36,13 +37,32 @@ Options parse(int argc, char* argv[]) {
     if (name == "--scene") options.scenes.push_back(findScene(value()));
     else if (name == "--all") options.scenes = allScenes();
     else if (name == "--list") options.list = true;
+    else if (name == "--registered") options.registered = value();
     else if (name == "--method") options.run.method = value();
     else if (name == "--tolerance") options.run.tolerance = std::stod(value());
     else if (name == "--table") options.table = value();
+    else if (name == "--some-rank-without") (value() == "contact" ? options.run.idleContact : options.run.idleSubdomains) = true;
+    else if (name == "--decomposition") options.decomposition = value();
     else throw std::invalid_argument("unknown option " + name);
   }
-  if (options.scenes.empty() && !options.list) throw std::invalid_argument("give --scene NAME, --all or --list");
+  for (auto& scene : options.scenes) {
+    if (options.decomposition.empty()) continue;
+    scene.decomposition = options.decomposition;
+    scene.subdomains = 0;
+  }
+  if (options.scenes.empty() && options.registered.empty() && !options.list) throw std::invalid_argument("give --scene NAME, --all or --list");
   return options;
+}
+
+// Whether the build's list of tests has every scene.
+int checkRegistered(const std::string& registered) {
+  int missing = 0;
+  for (const auto& scene : allScenes())
+    if ((";" + registered + ";").find(";" + scene.name + ";") == std::string::npos) {
+      std::cout << "scene '" << scene.name << "' is not registered as a test" << std::endl;
+      ++missing;
+    }
+  return missing == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
 
 // Replaces what stands between the two marks of the page.
@@ -73,7 +93,7 @@ int runAll(const Options& options) {
     outcomes.push_back(std::move(outcome));
   }
   if (prints) std::cout << options.scenes.size() - std::size_t(failed) << " of " << options.scenes.size() << " scenes hold" << std::endl;
-  if (prints && !options.table.empty()) writeTable(options.table, markdownTable(options.scenes, outcomes, options.run));
+  if (prints && !options.table.empty()) writeTable(options.table, markdownTable(options.scenes, outcomes));
   Teuchos::broadcast(*comm, 0, Teuchos::outArg(failed));
   return failed == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }
@@ -85,6 +105,7 @@ int main(int argc, char* argv[]) {
   Tpetra::ScopeGuard mpi(&argc, &argv);
   try {
     const Options options = parse(argc, argv);
+    if (!options.registered.empty()) return checkRegistered(options.registered);
     if (!options.list) return runAll(options);
     for (const auto& scene : allScenes()) std::cout << scene.name << "\n";
     return EXIT_SUCCESS;

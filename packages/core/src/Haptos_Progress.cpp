@@ -6,6 +6,7 @@
 #include <Teuchos_Comm.hpp>
 #include <chrono>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
 #include <limits>
 
@@ -19,7 +20,8 @@ double wallSeconds() {
 
 Progress::Options programOptions() {
   Progress::Options options;
-  options.terminal = isatty(STDOUT_FILENO) == 1;
+  // Open MPI's mpirun gives its ranks a pseudo-terminal even where its own output goes to a file.
+  options.terminal = isatty(STDOUT_FILENO) == 1 && !std::getenv("OMPI_COMM_WORLD_RANK");
   return options;
 }
 

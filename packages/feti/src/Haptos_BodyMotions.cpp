@@ -86,12 +86,12 @@ Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
 }
 
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const BodyMotions& bodies) {
-  constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; round-off of the gluing rows is 1e-16
+  constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
   const Eigen::SparseMatrix<double> rows = GT * bodies.Z();
   Eigen::MatrixXd A = Eigen::MatrixXd(Eigen::SparseMatrix<double>(rows.transpose() * rows));
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  const double largest = eigen.eigenvalues().tail<1>()[0];
+  const double largest = std::max(1.0, eigen.eigenvalues().tail<1>()[0]);  // 1: where nothing is held at all
   Eigen::Index k = 0;
   while (k < A.rows() && eigen.eigenvalues()[k] <= kUnheld * largest) ++k;
   UnheldMotions result;

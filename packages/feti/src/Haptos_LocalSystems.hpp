@@ -31,6 +31,9 @@ class LocalSystems {
   void assemble(const std::vector<Subdomain>& subdomains, const std::vector<IsotropicMaterial>& materials,
                 Formulation formulation);
 
+  /// \brief Finds congruent subdomains; part of `factor`, enough where only K is wanted.
+  void findClasses();
+
   /// \brief Finds congruent subdomains and factors one of each class.
   void factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method);
 
@@ -47,8 +50,6 @@ class LocalSystems {
   long localSolves() const { return localSolves_; }
 
  private:
-  void findClasses();
-
   std::vector<LocalSystem> systems_;
   std::vector<int> representative_;         // [classes] local subdomain
   std::vector<std::vector<int>> members_;   // [classes]

@@ -78,6 +78,8 @@ TEUCHOS_UNIT_TEST(BodyMotions, UnheldMotionsAreCounted) {
   SceneOptions both = onlyLowerHeld(false, false);
   both.hold = [](int body, const Point& x) { return std::string(body == 0 && x[0] < 1e-9 ? "x" : ""); };
   TEST_EQUALITY(int(Unheld(both).motions.basis.cols()), 3 + 6);
+  both.hold = [](int, const Point&) { return std::string(); };  // nothing is held: no scale but round-off
+  TEST_EQUALITY(int(Unheld(both).motions.basis.cols()), 12);
 }
 
 TEUCHOS_UNIT_TEST(BodyMotions, UnheldMotionsLieInTheKernel) {

@@ -125,6 +125,13 @@ class RigidBalance {
   double eps_;
 };
 
+// The motion without what is not worth naming: rotations that move no node by a twentieth of the translation.
+Eigen::VectorXd essentialPart(Eigen::VectorXd y) {
+  for (Eigen::Index body = 0; body < y.size(); body += 6)
+    if (y.segment<3>(body + 3).norm() < 0.05 * y.segment<3>(body).norm()) y.segment<3>(body + 3).setZero();
+  return y;
+}
+
 }  // namespace
 
 void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipliers, const NaturalCoarseSpace& G,
@@ -140,7 +147,7 @@ void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipli
   const DualState state = balance.solve();
   if (balance.imbalance(state) <= kBalanced * b.norm()) return;
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
-                          bodies.describe(N * state.a) +
+                          bodies.describe(essentialPart(N * state.a)) +
                           ". Reduce the load in that direction, raise the friction, or fix the body there.");
 }
 

@@ -322,6 +322,9 @@ void requireWritableFolder(const std::string& file, const std::string& parameter
   std::error_code error;
   if (file.empty()) refuse("a file name is wanted.");
   if (fs::is_directory(file, error)) refuse("this is a folder; a file name is wanted.");
+  // The finished file is renamed to this name: that would replace the device itself.
+  if (fs::exists(file, error) && !fs::is_regular_file(file, error))
+    refuse("this is a device or a pipe; the name of a file is wanted, or an empty one for none.");
   const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
   if (!fs::exists(folder, error)) refuse("the folder '" + folder.string() + "' does not exist.");
   if (!fs::is_directory(folder, error)) refuse("'" + folder.string() + "' is not a folder.");

@@ -136,7 +136,8 @@ void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits
 }
 
 bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) const {
-  return limits.stall > 0 && applications() - halvedAt_ >= long(patience) * limits.stall;
+  constexpr int kLinearPatience = 3;
+  return limits.stall > 0 && applications() - halvedAt_ >= long(linear_ ? kLinearPatience * patience : patience) * limits.stall;
 }
 
 // Gauss-Newton inside the subspace; returns the residual reached.
@@ -205,6 +206,7 @@ void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   }
   linear_ = true;
   goodSteps_ = 0;
+  halvedAt_ = applications();  // an inexact Newton step needs many directions before it pays
 }
 
 void SubspaceNewtonIter::chooseMode(double before) {

@@ -36,6 +36,8 @@ Bytes packHeader(const Mesh& mesh, const ModelData& data, const GlobalModel& mod
   packNames(writer, data.bodyNames);
   packNames(writer, data.interfaceNames);
   packNames(writer, data.notes);
+  packNames(writer, data.remarks);
+  writer.write(data.formulation);
   writer.write(data.friction);
   writer.write(data.unpairedNodes);
   writer.write(data.metis);
@@ -63,6 +65,8 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
   model.data.bodyNames = unpackNames(reader);
   model.data.interfaceNames = unpackNames(reader);
   model.data.notes = unpackNames(reader);
+  model.data.remarks = unpackNames(reader);
+  model.data.formulation = reader.read<Formulation>();
   model.data.friction = reader.readVector<FrictionSpec>();
   model.data.unpairedNodes = reader.read<std::size_t>();
   model.data.metis = reader.read<bool>();

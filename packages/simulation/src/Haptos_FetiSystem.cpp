@@ -121,7 +121,21 @@ void FetiSystem::formDual() {
 }
 
 void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod method) {
-  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems_, model_.subdomains, kind, method));
+  // Near incompressibility S is stiff against changes of volume, which F does not mirror: a capped ratio does better.
+  constexpr double kLargestRatio = 0.4;
+  RCP<LocalSystems> systems = systems_;
+  auto materials = model_.data.materials;
+  bool capped = false;
+  for (auto& material : materials) {
+    capped = capped || material.poissonsRatio > kLargestRatio;
+    material.poissonsRatio = std::min(material.poissonsRatio, kLargestRatio);
+  }
+  if (capped) {
+    systems = Teuchos::rcp(new LocalSystems);
+    systems->assemble(model_.subdomains, materials, model_.data.formulation);
+    systems->findClasses();
+  }
+  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, model_.subdomains, kind, method));
 }
 
 }  // namespace Haptos

@@ -119,6 +119,19 @@ std::vector<ContactInterface> pairSurfaces(const Mesh& mesh, const std::vector<C
   }
 }
 
+// Plain hexahedra lock near incompressibility; the mean dilatation frees them.
+void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh, ModelData& data) {
+  constexpr double kNearlyIncompressible = 0.45;
+  for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
+    if (mesh.blocks[b].topology != Topology::Hex8 || materialOfBlock[b] < 0) continue;
+    const IsotropicMaterial& material = data.materials[materialOfBlock[b]];
+    if (material.poissonsRatio <= kNearlyIncompressible || data.formulation == Formulation::BBar) continue;
+    data.formulation = Formulation::BBar;
+    data.remarks.push_back("HEX8 elements use B-bar (mean dilatation), because Poisson's ratio of '" + material.name +
+                           "' is close to 0.5");
+  }
+}
+
 void readContact(const ParameterList& list, ModelData& data, GlobalModel& model) {
   std::vector<ContactSpec> specs;
   for (auto it = list.begin(); it != list.end(); ++it) {
@@ -171,6 +184,7 @@ void buildModel(const ParameterList& parameters, SourceMesh source, ModelData& d
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
   const auto materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
+  chooseFormulation(materialOfBlock, model.mesh, data);
   model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
   data.loads = collectLoads(parameters.sublist("Boundary Conditions"), model.mesh);
   readContact(parameters.sublist("Contact"), data, model);

@@ -30,7 +30,8 @@ struct ModelData {
   std::vector<std::string> interfaceNames;
   std::vector<std::string> bodyNames;
   Formulation formulation = Formulation::Standard;
-  std::vector<std::string> notes;            ///< full sentences for the report
+  std::vector<std::string> notes;            ///< full sentences for the report, also printed as warnings
+  std::vector<std::string> remarks;          ///< full sentences for the report
   std::size_t unpairedNodes = 0;
   bool metis = false;
   int mendedFragments = 0;

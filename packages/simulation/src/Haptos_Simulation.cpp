@@ -95,7 +95,7 @@ void Simulation::prepare() {
   }
   describeModel();
   tell(modelText(report_.model));
-  for (const auto& note : report_.model.notes)
+  for (const auto& note : model_->data.notes)
     if (progress_) progress_->warn(note);
 }
 
@@ -121,6 +121,7 @@ void Simulation::describeModel() {
   m.preconditioner = parameters_.sublist("Preconditioner").get<std::string>("Type");
   m.leftOut = leftOut(model_->data, m.contactPairs);
   m.notes = model_->data.notes;
+  m.notes.insert(m.notes.end(), model_->data.remarks.begin(), model_->data.remarks.end());
   report_.interfaceNames = model_->data.interfaceNames;
 }
 

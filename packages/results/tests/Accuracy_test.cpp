@@ -1,0 +1,177 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Accuracy.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+
+#include "../../feti/tests/FetiScene.hpp"
+#include "Haptos_ContactResults.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Two blocks pressed on each other between a clamp and a moved top; friction strong enough that all pairs stick, so
+// that the solution is that of a linear saddle point problem, which is solved densely.
+class PressedBlocks {
+ public:
+  PressedBlocks() : scene(makeScene(options())), feti(makeFeti(Tpetra::getDefaultComm(), scene)) {
+    law = std::make_unique<ContactLaw>(*feti.dealt.multipliers, std::vector<FrictionSpec>{{FrictionLaw::Coulomb, {40, 30}, 0}});
+    gather = std::make_unique<NodalGather>(feti.comm, feti.dealt.mine, scene.mesh.numNodes());
+    const Dense B = denseB(scene);
+    const auto K = denseStiffness(scene);
+    const auto offsets = scene.offsets();
+    const Eigen::Index n = B.cols(), m = B.rows();
+    load = 1e-3 * someVector(n, 2.0);
+    Dense A = Dense::Zero(n + m, n + m);
+    for (std::size_t s = 0; s < K.size(); ++s) A.block(offsets[s], offsets[s], K[s].rows(), K[s].rows()) = K[s];
+    A.bottomLeftCorner(m, n) = B;
+    A.topRightCorner(n, m) = B.transpose();
+    Eigen::VectorXd b(n + m);
+    b.head(n) = load;
+    b.tail(m) = Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), m);
+    const Eigen::VectorXd x = A.partialPivLu().solve(b);
+    u = x.head(n);
+    lambda = x.tail(m);
+  }
+
+  Accuracy measure(const Eigen::VectorXd& withU, const Eigen::VectorXd& withLambda) const {
+    const auto primal = feti.dealt.jump->getDomainMap();
+    const auto f = scattered(primal, load);
+    const auto c = scattered(feti.map(), Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), scene.rows.numRows()));
+    const std::vector<PrescribedDisplacement> none;
+    const AccuracyInput input{feti.dealt.mine,  scene.materials, Formulation::Standard, *feti.dealt.jump, *law, *f, *c,
+                              feti.comm->getRank() == 0 ? scene.prescribed : none, *gather, measureLoads(*gather, *f, *feti.comm)};
+    return measureAccuracy(input, *feti.systems, *scattered(primal, withU), *scattered(feti.map(), withLambda));
+  }
+
+  static SceneOptions options() {
+    SceneOptions o = heldScene(5);
+    o.hold = [](int body, const Point& x) { return std::string((body == 0 ? x[2] < -1 + 1e-9 : x[2] > 1 - 1e-9) ? "xyz" : ""); };
+    o.value = [](const Point& x) { return x[2] > 0 ? Point{0.001, 0, -0.02} : Point{0, 0, 0}; };
+    return o;
+  }
+
+  Scene scene;
+  Feti feti;
+  std::unique_ptr<ContactLaw> law;
+  std::unique_ptr<NodalGather> gather;
+  Eigen::VectorXd load, u, lambda;
+};
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(Accuracy, ZeroForTheExactSolution) {
+  const PressedBlocks blocks;
+  for (const auto& pair : blocks.scene.rows.pairs) TEST_ASSERT(blocks.lambda[pair.normal] > 1e-3);
+  const Accuracy a = blocks.measure(blocks.u, blocks.lambda);
+  out << "kkt " << a.errors.kkt() << " (" << a.errors.worst() << "), floor " << a.floor << "\n";
+  TEST_ASSERT(a.errors.kkt() < 1e-11);
+  TEST_ASSERT(a.scales.uRef > 0.02 && a.ext > 0 && a.scales.load > 0);
+  TEST_ASSERT(a.floor > 0 && a.floor < 1e-13);
+}
+
+// Each error by itself, from the perturbation that makes it.
+TEUCHOS_UNIT_TEST(Accuracy, LargeForPerturbedSolutions) {
+  const PressedBlocks blocks;
+  const auto& pair = blocks.scene.rows.pairs[3];
+  const Dense B = denseB(blocks.scene);
+  const double lRef = blocks.measure(blocks.u, blocks.lambda).scales.load;
+  TEST_ASSERT(lRef > 0);
+
+  Eigen::VectorXd lambda = blocks.lambda;
+  lambda[pair.normal] = -lambda[pair.normal];
+  const Accuracy pulled = blocks.measure(blocks.u, lambda);
+  TEST_ASSERT(pulled.errors.compression > 0.1);
+  TEST_ASSERT(pulled.errors.equilibrium > 0.01);
+
+  lambda = blocks.lambda;
+  lambda[pair.tangential[0]] = 100 * lambda[pair.normal];
+  TEST_ASSERT(blocks.measure(blocks.u, lambda).errors.cone > 0.1);
+
+  Eigen::VectorXd u = blocks.u;  // all copies of the secondary node move by 1 % of u_ref
+  const auto offsets = blocks.scene.offsets();
+  const auto move = [&](int component, double by, bool onlyFirst) {
+    u = blocks.u;
+    bool first = true;
+    for (const auto& sub : blocks.scene.subdomains)
+      for (int i = 0; i < sub.numNodes(); ++i)
+        if (sub.nodes[i] == pair.geometry.secondaryNode && (first || !onlyFirst)) u[offsets[sub.id] + 3 * i + component] += by, first = false;
+  };
+  move(2, -2e-4, false);
+  const Accuracy sunk = blocks.measure(u, blocks.lambda);
+  TEST_ASSERT(sunk.errors.penetration > 5e-3 && sunk.errors.continuity < 1e-12);
+  move(2, +2e-4, false);
+  TEST_ASSERT(blocks.measure(u, blocks.lambda).errors.complementarity > 5e-3);
+  move(0, 2e-4, false);
+  TEST_ASSERT(blocks.measure(u, blocks.lambda).errors.slipLaw > 1e-3);
+
+  u = blocks.u;  // one copy of a node that several subdomains share
+  std::map<std::int64_t, int> copies;
+  for (const auto& sub : blocks.scene.subdomains)
+    for (auto node : sub.nodes) ++copies[node];
+  const auto shared = std::find_if(copies.begin(), copies.end(), [](auto& c) { return c.second > 1; })->first;
+  for (const auto& sub : blocks.scene.subdomains) {
+    const auto it = std::lower_bound(sub.nodes.begin(), sub.nodes.end(), shared);
+    if (it == sub.nodes.end() || *it != shared) continue;
+    u[offsets[sub.id] + 3 * (it - sub.nodes.begin())] += 2e-4;
+    break;
+  }
+  TEST_ASSERT(blocks.measure(u, blocks.lambda).errors.continuity > 5e-3);
+  const Accuracy moved = blocks.measure(1.01 * blocks.u, blocks.lambda);  // away from the prescribed values
+  TEST_ASSERT(moved.errors.continuity > 5e-3);
+}
+
+TEUCHOS_UNIT_TEST(Accuracy, ReactionsAreThoseOfTheClamp) {
+  const PressedBlocks blocks;
+  const auto offsets = blocks.scene.offsets();
+  Eigen::VectorXd r = -blocks.load;  // K u - f, summed over the copies, at the clamped nodes
+  const auto K = denseStiffness(blocks.scene);
+  for (std::size_t s = 0; s < K.size(); ++s)
+    r.segment(offsets[s], K[s].rows()) += K[s] * blocks.u.segment(offsets[s], K[s].rows());
+  std::map<std::int64_t, Eigen::Vector3d> nodal;
+  for (const auto& sub : blocks.scene.subdomains)
+    for (int i = 0; i < sub.numNodes(); ++i)
+      nodal.try_emplace(sub.nodes[i], Eigen::Vector3d::Zero()).first->second += r.segment<3>(offsets[sub.id] + 3 * i);
+  double sum = 0, most = 0;
+  std::int64_t last = -1;
+  for (const auto& p : blocks.scene.prescribed) {
+    if (p.node == last) continue;
+    last = p.node;
+    sum += nodal[p.node].squaredNorm();
+    most = std::max(most, nodal[p.node].norm());
+  }
+  const LoadScales reactions = measureReactions(*blocks.feti.dealt.multipliers, *scattered(blocks.feti.map(), blocks.lambda));
+  TEST_FLOATING_EQUALITY(reactions.norm, std::sqrt(sum), 1e-9);
+  TEST_FLOATING_EQUALITY(reactions.largest, most, 1e-9);
+}
+
+TEUCHOS_UNIT_TEST(ContactResults, ForcesBalanceAndStatesAreCounted) {
+  const PressedBlocks blocks;
+  const auto lambda = scattered(blocks.feti.map(), blocks.lambda);
+  Vector s(blocks.feti.map());
+  const auto pairs = gatherContactResults(*blocks.feti.dealt.multipliers, *blocks.law, *lambda, s, 1.0);
+  if (blocks.feti.comm->getRank() != 0) {
+    TEST_ASSERT(pairs.empty());
+    return;
+  }
+  TEST_EQUALITY(pairs.size(), blocks.scene.rows.pairs.size());
+  double normal = 0;
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    const auto& rows = blocks.scene.rows.pairs[i];
+    TEST_EQUALITY(pairs[i].secondaryNode, rows.geometry.secondaryNode);
+    normal += blocks.lambda[rows.normal];
+    for (int d = 0; d < 3; ++d) {
+      const double force = -(blocks.lambda[rows.normal] * rows.geometry.frame.normal[d] +
+                             blocks.lambda[rows.tangential[0]] * rows.geometry.frame.t1[d] +
+                             blocks.lambda[rows.tangential[1]] * rows.geometry.frame.t2[d]);
+      TEST_ASSERT(std::abs(pairs[i].force[d] - force) < 1e-14);
+    }
+    TEST_FLOATING_EQUALITY(pairs[i].pressure, blocks.lambda[rows.normal] / rows.geometry.area, 1e-13);
+  }
+  const auto sums = summarizeInterfaces(pairs, 1);
+  TEST_FLOATING_EQUALITY(sums[0].normalForce, normal, 1e-13);
+  TEST_EQUALITY(sums[0].stick, long(pairs.size()));
+  TEST_EQUALITY(sums[0].open + sums[0].slip, 0L);
+}

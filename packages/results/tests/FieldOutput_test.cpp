@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_FieldOutput.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+
+#include "../../feti/tests/FetiScene.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+Scene scene() { return makeScene(heldScene(7)); }
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(NodalGather, MeanRangeAndSumOfCopies) {
+  const Scene s = scene();
+  const Dealt dealt = deal(Tpetra::getDefaultComm(), s);
+  const NodalGather gather(Tpetra::getDefaultComm(), dealt.mine, s.mesh.numNodes());
+  const auto offsets = s.offsets();
+  const Eigen::VectorXd u = someVector(offsets.back());
+  const auto v = scattered(dealt.jump->getDomainMap(), u);
+  const auto copies = gather.copies(*v);
+  const auto sum = gather.sum(*v);
+  if (Tpetra::getDefaultComm()->getRank() != 0) {
+    TEST_ASSERT(copies.mean.empty() && sum.empty());
+    return;
+  }
+  std::map<std::pair<std::int64_t, int>, std::vector<double>> values;
+  for (const auto& sub : s.subdomains)
+    for (int i = 0; i < 3 * sub.numNodes(); ++i) values[{sub.nodes[i / 3], i % 3}].push_back(u[offsets[sub.id] + i]);
+  bool several = false;
+  for (const auto& [key, list] : values) {
+    const std::size_t at = 3 * std::size_t(key.first) + key.second;
+    double total = 0;
+    for (double x : list) total += x;
+    several = several || list.size() > 2;
+    TEST_ASSERT(std::abs(sum[at] - total) < 1e-14);
+    TEST_ASSERT(std::abs(copies.mean[at] - total / double(list.size())) < 1e-14);
+    TEST_EQUALITY(copies.lowest[at], *std::min_element(list.begin(), list.end()));
+    TEST_EQUALITY(copies.highest[at], *std::max_element(list.begin(), list.end()));
+  }
+  TEST_ASSERT(several);
+}
+
+// ANALYTIC: a linear displacement gives the same stress in all elements of a material.
+TEUCHOS_UNIT_TEST(ElementResults, UniformStrain) {
+  const Scene s = scene();
+  const Dealt dealt = deal(Tpetra::getDefaultComm(), s);
+  const auto offsets = s.offsets();
+  Eigen::VectorXd u(offsets.back());
+  for (const auto& sub : s.subdomains)
+    for (int i = 0; i < sub.numNodes(); ++i) u.segment<3>(offsets[sub.id] + 3 * i) << 1e-3 * sub.coordinates[i][0], 0, 0;
+  const auto results = gatherElementResults(Tpetra::getDefaultComm().operator*(), dealt.mine, s.materials, dealt.jump->primalOffsets(),
+                                            *scattered(dealt.jump->getDomainMap(), u), s.mesh.numElements());
+  if (Tpetra::getDefaultComm()->getRank() != 0) return;
+  TEST_EQUALITY(results.stress.size(), s.mesh.numElements());
+  const auto blockStart = blockOffsets(s.mesh);
+  for (std::size_t e = 0; e < results.stress.size(); ++e) {
+    const ElasticModuli m = elasticModuli(s.materials[locateElement(blockStart, std::int64_t(e)).block]);
+    TEST_FLOATING_EQUALITY(results.stress[e][0], 1e-3 * (m.lambda + 2 * m.shear), 1e-10);
+    TEST_FLOATING_EQUALITY(results.stress[e][1], 1e-3 * m.lambda, 1e-10);
+    TEST_FLOATING_EQUALITY(vonMises(results.stress[e]), 2e-3 * m.shear, 1e-10);
+    TEST_EQUALITY(int(results.subdomain[e]), s.partition.ofElement[e]);
+  }
+}
+
+TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
+  const std::vector<double> displacement{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  PairResult pair{};
+  pair.secondaryNode = 2;
+  pair.primaryNode = 0;
+  pair.force = {0.1, 0.2, 5};
+  pair.normalForce = 5;
+  pair.gap = 0.25;
+  pair.axis = {1, 0, 0};
+  pair.status = ContactStatus::Stick;
+  ElementResults elements;
+  elements.stress = {{1, 2, 3, 4, 5, 6}};
+  elements.subdomain = {4};
+  const ResultFields fields = makeResultFields(3, displacement, {pair}, elements, 1e-7, 42);
+
+  std::vector<std::string> nodal, element, global;
+  for (const auto& field : fields.nodal) nodal.push_back(field.first);
+  for (const auto& field : fields.element) element.push_back(field.first);
+  for (const auto& field : fields.global) global.push_back(field.first);
+  const std::vector<std::string> nodalNames{
+      "displacement_x", "displacement_y", "displacement_z", "contact_force_x", "contact_force_y", "contact_force_z",
+      "contact_normal_force", "contact_pressure", "contact_gap", "contact_slip_x", "contact_slip_y", "contact_slip_z",
+      "contact_status", "friction_axis_x", "friction_axis_y", "friction_axis_z"};
+  const std::vector<std::string> elementNames{"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx", "von_mises", "subdomain"};
+  TEST_ASSERT(nodal == nodalNames);
+  TEST_ASSERT(element == elementNames);
+  TEST_ASSERT((global == std::vector<std::string>{"kkt", "hessian_multiplications"}));
+
+  const auto value = [&](const std::string& name, std::size_t i) {
+    for (const auto& field : fields.nodal)
+      if (field.first == name) return field.second.at(i);
+    return -1.0;
+  };
+  TEST_EQUALITY(value("displacement_y", 1), 5.0);
+  TEST_EQUALITY(value("contact_force_z", 2), 5.0);   // the force on the secondary node,
+  TEST_EQUALITY(value("contact_force_z", 0), -5.0);  // its opposite on the primary one
+  TEST_EQUALITY(value("contact_normal_force", 0), 5.0);
+  TEST_EQUALITY(value("contact_status", 2), 3.0);
+  TEST_EQUALITY(value("contact_status", 1), 0.0);
+  TEST_EQUALITY(value("contact_gap", 2), 0.25);
+  TEST_EQUALITY(value("friction_axis_x", 0), 1.0);
+}

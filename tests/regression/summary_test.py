@@ -1,0 +1,173 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""The summary's keys and types, and the program's ways to say something without solving."""
+import haptos_runs
+from haptos_runs import SceneTest, run_haptos, stack
+
+NUMBER = (int, float)
+COUNT = int
+
+KEYS = {
+    "haptos": {"version": str, "ranks": COUNT},
+    "model": {"bodies": COUNT, "subdomains": COUNT, "primal_unknowns": COUNT, "dual_unknowns": COUNT,
+              "kernel_dimension": COUNT, "contact_pairs": COUNT, "discretization": str, "law": str, "left_out": list},
+    "solver": {"method": str, "status": str, "reason": str, "outer_iterations": COUNT, "hessian_multiplications": COUNT,
+               "preconditioner_applications": COUNT, "coarse_solves": COUNT, "local_solves": COUNT, "history": list},
+    "accuracy": {name: NUMBER for name in ("equilibrium", "continuity", "penetration", "compression",
+                                           "complementarity", "cone", "slip_law", "kkt")},
+    "contact": {"joint": {"normal_force": NUMBER, "tangential_force": list, "stick": COUNT, "slip": COUNT,
+                          "open": COUNT, "max_pressure": NUMBER}},
+    "time": {name: NUMBER for name in ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover",
+                                       "write", "total")},
+    "memory": {"peak_rss_mb": list},
+}
+HISTORY = {"hessian_multiplications": COUNT, "residual": NUMBER, "stick": COUNT, "slip": COUNT, "open": COUNT}
+
+
+class Summary(SceneTest):
+    def solve(self, scene, *arguments, ranks=1):
+        outcome = self.run_scene(scene, *arguments, ranks=ranks)
+        self.assertEqual((outcome.status, outcome.messages), (0, []), outcome)
+        return self.summary()
+
+    def assert_keys(self, found, wanted, path=""):
+        for key, kind in wanted.items():
+            self.assertIn(key, found, path)
+            if isinstance(kind, dict):
+                self.assert_keys(found[key], kind, f"{path}/{key}")
+            else:
+                self.assertIsInstance(found[key], kind, f"{path}/{key}")
+                self.assertNotIsInstance(found[key], bool, f"{path}/{key}")
+
+    def test_every_key(self):
+        for ranks in (1, 3):
+            summary = self.solve(stack(), ranks=ranks)
+            self.assert_keys(summary, KEYS)
+            self.assertEqual(summary["haptos"]["ranks"], ranks)
+            self.assertEqual(len(summary["memory"]["peak_rss_mb"]), ranks)
+            self.assertTrue(all(10 < peak < 2000 for peak in summary["memory"]["peak_rss_mb"]))
+            self.assertTrue(summary["model"]["left_out"] and all(isinstance(t, str) for t in summary["model"]["left_out"]))
+            self.assertEqual(len(summary["contact"]["joint"]["tangential_force"]), 3)
+            self.assertGreater(len(summary["solver"]["history"]), 0)
+            for entry in summary["solver"]["history"]:
+                self.assert_keys(entry, HISTORY)
+
+    def test_numbers_fit_together(self):
+        summary = self.solve(stack())
+        model, solver, accuracy, joint = summary["model"], summary["solver"], summary["accuracy"], summary["contact"]["joint"]
+        self.assertEqual(accuracy["kkt"], max(accuracy[key] for key in KEYS["accuracy"] if key != "kkt"))
+        self.assertEqual(joint["stick"] + joint["slip"] + joint["open"], model["contact_pairs"])
+        self.assertEqual(model["kernel_dimension"], 6 * model["subdomains"])
+        self.assertEqual((model["bodies"], model["subdomains"], model["contact_pairs"]), (2, 4, 9))
+        self.assertEqual(solver["status"], "converged")
+        # every multiplication by F is one solve with each subdomain's matrix, and there are others
+        self.assertGreaterEqual(solver["local_solves"], solver["hessian_multiplications"] * model["subdomains"])
+        counts = [entry["hessian_multiplications"] for entry in solver["history"]]
+        self.assertEqual(counts, sorted(counts))
+        self.assertLessEqual(counts[-1], solver["hessian_multiplications"])
+
+    def test_times_add_up(self):
+        """On one rank; on several, each time is that of the slowest and the sum may be above the total."""
+        arguments = [haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=3",
+                     "--set", "Output->File=", "--summary", "summary.json"]
+        missing = []
+        for _ in range(5):  # a busy machine may stop the program anywhere, between two phases too
+            self.assertEqual(run_haptos(arguments, folder=self.folder).status, 0)
+            time = self.summary()["time"]
+            missing.append(2 - sum(time.values()) / time["total"])  # part of the total in no phase
+            self.assertGreater(missing[-1], -1e-6)
+        self.assertLess(min(missing), 0.03)
+
+    def test_left_out_without_friction(self):
+        for friction in ({"Law": "Frictionless"}, {"Law": "Coulomb", "Coefficients": [0.0, 0.0]},
+                         {"Law": "Tresca", "Coefficients": [0.3, 0.3], "Slip Bound": 0.0}):
+            scene = stack()
+            scene["Contact"]["joint"]["Friction"] = friction
+            model = self.solve(scene)["model"]
+            self.assertEqual(model["law"], "Frictionless")
+            self.assert_says(model, "no tangential multipliers", "'joint'")
+            self.assert_says(model, "no mortar")
+            with_friction = self.solve(stack())["model"]
+            self.assertEqual(with_friction["dual_unknowns"] - model["dual_unknowns"], 2 * model["contact_pairs"])
+
+    def test_left_out_with_tresca(self):
+        scene = stack()
+        scene["Contact"]["joint"]["Friction"] = {"Law": "Tresca", "Coefficients": [0.3, 0.3], "Slip Bound": 1.0}
+        model = self.solve(scene)["model"]
+        self.assertEqual(model["law"], "Tresca")
+        self.assert_says(model, "no outer fixed point")
+        self.assertNotIn("tangential", " ".join(model["left_out"]))
+
+    def test_left_out_with_coulomb(self):
+        model = self.solve(stack())["model"]
+        self.assertEqual(model["law"], "Coulomb")
+        self.assertNotIn("tangential", " ".join(model["left_out"]))
+        self.assertNotIn("fixed point", " ".join(model["left_out"]))
+
+    def test_left_out_without_contact(self):
+        summary = self.solve(stack(Contact=None))
+        self.assert_says(summary["model"], "no contact")
+        self.assertNotIn("mortar", " ".join(summary["model"]["left_out"]))
+        self.assertEqual((summary["model"]["contact_pairs"], summary["contact"]), (0, {}))
+        self.assertEqual(summary["solver"]["method"], "PCPG")
+
+    def test_left_out_with_nothing_opposite(self):
+        outcome = self.run_scene(stack(Mesh__File="apart.exo"))
+        self.assertEqual(outcome.status, 0, outcome)
+        model = self.summary()["model"]
+        self.assertEqual(model["contact_pairs"], 0)
+        self.assert_says(model, "no contact", "no pair within reach")
+        self.assertEqual(len([m for m in outcome.messages if "no contact" in m]), 1, outcome)
+
+    def assert_says(self, model, *parts):
+        self.assertTrue(any(all(p in text for p in parts) for text in model["left_out"]), model["left_out"])
+
+
+class WithoutSolving(SceneTest):
+    def test_validate_only(self):
+        solved = self.run_scene(stack(Output__File=""))
+        self.assertEqual(solved.status, 0)
+        model = self.summary()["model"]
+        for ranks in (1, 3):
+            (self.folder / "summary.json").unlink()
+            outcome = self.run_scene(stack(), "--validate-only", ranks=ranks)
+            self.assertEqual((outcome.status, outcome.messages), (0, []), outcome)
+            summary = self.summary()
+            self.assert_same(summary["model"], model)
+            self.assertNotIn("solver", summary)
+            self.assertFalse((self.folder / "result.exo").exists())
+            self.assertNotIn("kkt", outcome.out)
+            self.assertIn(f'{model["primal_unknowns"]} primal', outcome.out)
+
+    def assert_same(self, found, wanted):
+        for key in KEYS["model"]:
+            self.assertEqual(found[key], wanted[key], key)
+
+    def test_validate_only_finds_what_has_no_solution(self):
+        scene = stack(Contact=None)
+        del scene["Boundary Conditions"]["side"]
+        for ranks in (1, 3):
+            self.assert_one_message(self.run_scene(scene, "--validate-only", ranks=ranks), 3, "'upper'")
+            self.assertFalse((self.folder / "summary.json").exists())
+
+    def test_help_version_parameters(self):
+        wanted = {"--help": ("usage:", "--validate-only", "Exit status"), "--version": ("haptos 0.",),
+                  "--print-parameters": ("Relative Tolerance", "Subdomains Per Edge", "Slip Bound")}
+        for option, parts in wanted.items():
+            for ranks in (1, 3):
+                outcome = run_haptos([option], ranks, self.folder)
+                self.assertEqual((outcome.status, outcome.messages), (0, []), outcome)
+                for part in parts:
+                    self.assertIn(part, outcome.out)
+                if ranks == 1:
+                    text = outcome.out
+                self.assertEqual(outcome.out, text, "printed once")
+
+    def test_result_file_and_summary_by_option(self):
+        outcome = self.run_scene(stack(), "--output", "other.exo", "--summary=other.json")
+        self.assertEqual(outcome.status, 0, outcome)
+        self.assertTrue((self.folder / "other.exo").exists() and (self.folder / "other.json").exists())
+        self.assertFalse((self.folder / "result.exo").exists() or (self.folder / "summary.json").exists())
+
+
+if __name__ == "__main__":
+    haptos_runs.main()
