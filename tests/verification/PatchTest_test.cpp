@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Two blocks on each other under a uniform pressure: the stress is uniform on any mesh that matches.
 #include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "Haptos_ContactPairs.hpp"

@@ -2,7 +2,6 @@
 #include "ScenarioBuilder.hpp"
 
 #include <Teuchos_Array.hpp>
-#include <Teuchos_DefaultComm.hpp>
 #include <Tpetra_Core.hpp>
 #include <cmath>
 
