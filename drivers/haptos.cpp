@@ -97,6 +97,9 @@ int main(int argc, char* argv[]) {
   } catch (const InsufficientModel& e) {  // thrown on all ranks
     report("", e);
     return kNoSolution;
+  } catch (const CollectiveError& e) {  // thrown on all ranks
+    report("internal error: ", e);
+    return kInternalError;
   } catch (const std::exception& e) {  // may have been thrown on one rank alone
     std::cerr << "haptos: internal error on rank " << comm->getRank() << ": " << e.what() << std::endl;
     if (comm->getSize() > 1) MPI_Abort(MPI_COMM_WORLD, kInternalError);

@@ -29,7 +29,7 @@ void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
   if (header[1] > 0) Teuchos::broadcast(comm, root, header[1], error.message.data());
   if (header[0] == 1) throw InputError(error.message);
   if (header[0] == 2) throw InsufficientModel(error.message);
-  throw std::runtime_error(error.message);
+  throw CollectiveError(error.message);
 }
 
 void throwOnAllRanks(const Communicator& comm, const std::string& message) {

@@ -23,6 +23,12 @@ class InsufficientModel : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// \brief Our own error, or one of the system, that was thrown on every rank: it is told once.
+class CollectiveError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// \brief Throws `InputError` on every rank if any rank's `message` is not empty.  Collective.
 ///
 /// The message thrown everywhere is that of the lowest rank that has one, so no rank throws alone
@@ -47,7 +53,7 @@ void broadcastAndThrow(const Communicator& comm, CaughtError error, int root);
 /// \brief Runs `work` on rank `root` only and rethrows there and everywhere what it threw.  Collective.
 ///
 /// `InputError` and `InsufficientModel` keep their type; any other exception becomes a
-/// `std::runtime_error` with the same text.
+/// `CollectiveError` with the same text.
 template <class Work>
 void runOnRoot(const Communicator& comm, Work&& work, int root = 0) {
   CaughtError error;

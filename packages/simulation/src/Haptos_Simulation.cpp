@@ -92,6 +92,7 @@ void Simulation::prepare() {
     system_->assemble();
     gather_ = std::make_unique<NodalGather>(comm_, model_->subdomains, model_->global.mesh.numNodes());
     loads_ = measureLoads(*gather_, system_->f(), *comm_);
+    comm_->barrier();  // waiting for a slower rank belongs to the phase that made it slow
   }
   describeModel();
   tell(modelText(report_.model));
@@ -159,6 +160,7 @@ SimulationResult Simulation::solve() {
   {
     const auto scope = clock_.time(Phase::Factor);
     system_->factor(localMethod(parameters_));
+    comm_->barrier();
     report_.model.congruenceClasses = system_->systems().numClasses();
     report_.model.localSolver = system_->systems().size() > 0 ? system_->systems().solver(0).methodName() : "";
   }

@@ -19,7 +19,8 @@ using Pairs = std::vector<PairLaw>;
 constexpr double kFirstRatio = 10;       // axis ratio at which the continuation starts
 constexpr double kLevelTolerance = 0.03;  // of the jumps of the start
 constexpr double kFirstFactor = 1.5;      // of the friction coefficients, before the true ones
-constexpr int kLevelStall = 25, kFinalStall = 12, kMaxRestarts = 4;
+constexpr double kFloatingPenalty = 0.3;  // of the nodal stiffness, where friction alone holds a body: it runs away less
+constexpr int kLevelStall = 25, kFinalStall = 12, kMaxRestarts = 2;
 
 // Coefficients times a factor.
 Pairs scaled(Pairs pairs, double factor) {
@@ -76,7 +77,7 @@ struct SubspaceNewtonSolver::Impl {
         direction(dual, *context.system.preconditioner(), DualVectors::fromVector(*context.system.preconditioner()->diagonal()),
                   vectors, balance),
         subspace(vectors),
-        r(direction.medianNormalStiffness()),
+        r((balance.numFloating() > 0 ? kFloatingPenalty : 1.0) * direction.medianNormalStiffness()),
         iteration(dual, vectors, balance, direction, subspace, r),
         estimator(context.system, context.loads) {}
 
@@ -163,10 +164,9 @@ struct SubspaceNewtonSolver::Impl {
     levels.push_back(scaled(pairs(), kFirstFactor));
     start();
     bool fresh = runLevels(levels, kLevelTolerance, kLevelStall);
-    static const std::vector<std::vector<double>> detours = {
-        {1.5}, {1.5, 1.2}, {2.0, 1.4, 1.15}, {2.0, 1.6, 1.3, 1.15, 1.07}};
+    static const std::vector<std::vector<double>> detours = {{1.5, 1.2}, {2.0, 1.6, 1.3, 1.15, 1.07}};
     for (int restart = 0;; ++restart) {
-      const NewtonStop stop = run(pairs(), 0.1 * tolerance, restart < kMaxRestarts ? kFinalStall : 2 * kFinalStall, true, fresh);
+      const NewtonStop stop = run(pairs(), 0.1 * tolerance, kFinalStall, true, fresh);
       if (stop != NewtonStop::Stalled || restart == kMaxRestarts || left() <= 0) return stop;
       levels.clear();
       if (ratio > kFirstRatio) levels = aspectLevels(pairs(), ratio, 2, 2.5);
@@ -216,7 +216,7 @@ bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   }
   impl_->gaveUp = stop == NewtonStop::Stalled;
   impl_->reason = stop == NewtonStop::Converged ? "converged"
-                  : stop == NewtonStop::Limit   ? "limit of Hessian multiplications"
+                  : stop == NewtonStop::Limit   ? "Solver->Maximum Hessian Multiplications is reached"
                                                 : "the residual was no longer halved";
   impl_->solution = {impl_->vectors.toVector(impl_->state.lambda), impl_->vectors.toVector(impl_->state.s)};
   return stop == NewtonStop::Converged;
