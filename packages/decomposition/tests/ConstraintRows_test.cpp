@@ -130,8 +130,6 @@ TEUCHOS_UNIT_TEST(ConstraintRows, PrescribedComponentsMoveToTheRightHandSide) {
     const bool normalHeld = given.count({s, 2}) && given.count({p, 2});
     TEST_EQUALITY(bool(scene.rows.pinned[pair.normal]), normalHeld);
     pinned += normalHeld;
-    const Point us{u[0], u[1], u[2]};
-    (void)us;
     for (GlobalOrdinal row : {pair.normal, pair.tangential[0], pair.tangential[1]})
       for (auto k = scene.rows.offsets[row]; k < scene.rows.offsets[row + 1]; ++k) {
         const RowEntry& entry = scene.rows.entries[k];

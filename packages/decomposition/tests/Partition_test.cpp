@@ -138,15 +138,17 @@ TEUCHOS_UNIT_TEST(Partition, FragmentsAreMended) {
   checkParts(row, partition, out, success);
 }
 
+// The single 2 in the middle touches part 0 by three sides and part 1 by one.
 TEUCHOS_UNIT_TEST(Partition, FragmentGoesToTheNeighbourWithMostSides) {
-  // The middle of a 3 x 3 x 1 plate belongs to part 1, of which the right column is the larger piece.
-  const Mesh plate = box({3, 3, 1});
-  const Partition partition = cut(plate, bricks({0, 0, 2, 0, 2, 1, 1, 1, 1}));
-  TEST_ASSERT(partition.mended > 0);
-  checkParts(plate, partition, out, success);
-  // Element 4 (centre) touches 0 twice and 1 twice, element 2 touches 0 and 1 once: the lone 2s are as large as
-  // each other, one of them stays.
+  const Mesh plate = box({5, 3, 1});
+  const Partition partition = cut(plate, bricks({0, 0, 0, 2, 2,
+                                                 0, 2, 0, 2, 2,
+                                                 1, 1, 1, 1, 1}));
+  TEST_EQUALITY(partition.mended, 1);
   TEST_EQUALITY(partition.count, 3);
+  TEST_EQUALITY(partition.ofElement[6], partition.ofElement[0]);
+  TEST_EQUALITY(partition.ofElement[8], partition.ofElement[3]);
+  checkParts(plate, partition, out, success);
 }
 
 // Every cell is a fragment by itself, and its neighbours are too: they must not change places for ever.

@@ -64,8 +64,7 @@ Dense denseM(const Scene& scene, PreconditionerKind kind) {
   return M;
 }
 
-RCP<DualPreconditioner> make(const Scene& scene, const Feti& feti, PreconditionerKind kind) {
-  (void)scene;
+RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
   return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic));
 }
 
@@ -75,7 +74,7 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
   const Scene s = scene();
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
-    const Dense M = denseOf(*make(s, feti, kind)), reference = denseM(s, kind);
+    const Dense M = denseOf(*make(feti, kind)), reference = denseM(s, kind);
     TEST_ASSERT(largest(M - reference) < 1e-10 * largest(reference));
   }
   TEST_ASSERT(largest(denseM(s, PreconditionerKind::Dirichlet) - denseM(s, PreconditionerKind::Lumped)) >
@@ -86,7 +85,7 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {
   const Scene s = scene();
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
-    const Dense M = denseOf(*make(s, feti, kind));
+    const Dense M = denseOf(*make(feti, kind));
     TEST_ASSERT(largest(M - M.transpose()) < 1e-12 * largest(M));
     TEST_ASSERT(smallestEigenvalue(M) > -1e-12 * largest(M));
   }
@@ -95,7 +94,7 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {
 TEUCHOS_UNIT_TEST(DualPreconditioner, PinnedRowsGiveNothing) {
   const Scene s = scene();
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
-  const auto M = make(s, feti, PreconditionerKind::Dirichlet);
+  const auto M = make(feti, PreconditionerKind::Dirichlet);
   const Dense A = denseOf(*M), diagonal = gathered(*M->diagonal());
   int pinned = 0;
   for (Eigen::Index row = 0; row < A.rows(); ++row) {
@@ -126,7 +125,7 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, TightensTheSpectrum) {
     return d.maxCoeff() / low;
   };
   const double plain = spread(P * F * P);
-  const double better = spread(P * denseOf(*make(s, feti, PreconditionerKind::Dirichlet)) * P * F * P);
+  const double better = spread(P * denseOf(*make(feti, PreconditionerKind::Dirichlet)) * P * F * P);
   out << "condition of P F P " << plain << ", preconditioned " << better << "\n";
   TEST_ASSERT(better < 0.25 * plain);
 }
