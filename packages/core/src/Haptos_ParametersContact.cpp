@@ -86,7 +86,7 @@ ParameterTree contactSection() {
                .notEmpty())
       .add(rigidPlane())
       .add(ParameterSpec("Discretization", {Type::String},
-                         "Node To Node needs matching meshes, Mortar does not; Automatic chooses")
+                         "Node To Node needs matching meshes and is what Automatic takes; Mortar is reserved for a later version and refused")
                .defaultTo(std::string("Automatic"))
                .oneOf({"Automatic", "Node To Node", "Mortar"}))
       .add(ParameterSpec(
