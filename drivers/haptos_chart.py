@@ -1,0 +1,400 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Measures speed against accuracy and draws it: CSV and SVG files, all from one command.
+
+    haptos_chart.py --haptos PROGRAM --scenes-test PROGRAM [--only accuracy|profile|counts]... [--quick]
+                    [--folder doc/charts] [--repeats 3] [--time-limit 120] [--redraw] [--png]
+
+accuracy   multiplications by the Hessian F and seconds of the solve, over the measured kkt and over the true error
+           of the contact forces (against a solution at 1e-12): accuracy.csv, accuracy_kkt.svg, accuracy_forces.svg
+profile    a performance profile over the scenes of scenes_test: profile.csv, profile.svg
+counts     the 20 cells of the published scaling table: counts.csv, counts.svg
+
+--quick    fewer tolerances, scenes and cells; asks for a --folder, so that it replaces no complete chart
+--redraw   draws from the CSV files that are there and runs nothing
+--png      also writes each chart as PNG
+
+All runs are on one rank.  Runs that end without a solution are rows of the CSV and marks in the charts.
+Needs the Python packages matplotlib, netCDF4 and numpy.
+"""
+import argparse
+import csv
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.ticker import LogLocator, NullFormatter
+import netCDF4
+import numpy as np
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+METHODS = ("SMALSE", "Subspace Newton", "Automatic")
+TOLERANCES = tuple(10.0**-e for e in range(2, 11))
+REFERENCE_TOLERANCE = 1e-12
+COUNTED_AT = (1e-4, 1e-6)
+
+
+def two_beams(k, p):
+    return {"Mesh->Two Beams->Subdomains Per Edge": k, "Mesh->Two Beams->Elements Per Subdomain Edge": p}
+
+
+SCENES = {  # name: input, parameters that differ from it
+    "table31 k=2 p=4": ("table31.xml", two_beams(2, 4)),
+    "table31 k=3 p=3": ("table31.xml", two_beams(3, 3)),
+    "two_beams": ("two_beams.xml", {}),
+}
+
+# n_PFP, the multiplications by the Hessian, of Table 3.1 in Dostal, Haslinger, Kozubek, Kucera, "An algorithm for 3D
+# contact problems with orthotropic friction": rows k = 1..5 (4 k^3 subdomains), columns p = H/h = 2..5.
+PUBLISHED = {1: (180, 269, 356, 470), 2: (483, 657, 665, 847), 3: (636, 878, 906, 1071),
+             4: (737, 939, 1173, 1400), 5: (812, 1039, 1533, 1776)}
+P_VALUES = (2, 3, 4, 5)
+
+ACCURACY_COLUMNS = ("scene", "method", "method_used", "tolerance", "status", "reason", "multiplications",
+                    "preconditioner_applications", "solve_seconds", "kkt", "force_error")
+PROFILE_COLUMNS = ("scene", "method", "method_used", "status", "multiplications", "kkt", "force_error", "remark")
+COUNTS_COLUMNS = ("k", "p", "subdomains", "unknowns", "published", "tolerance", "method_used", "status", "multiplications",
+                  "kkt", "solve_seconds")
+
+# Okabe and Ito's palette: told apart with any colour vision; the marks differ in shape as well.
+COLOUR = {"SMALSE": "#D55E00", "Subspace Newton": "#0072B2", "Automatic": "#000000"}
+LINE = {"SMALSE": dict(marker="s", markersize=4, linewidth=1.4),
+        "Subspace Newton": dict(marker="o", markersize=4, linewidth=1.4),
+        "Automatic": dict(marker="o", markersize=8.5, markerfacecolor="none", markeredgewidth=1.0, linewidth=0)}
+
+
+def launch(command, time_limit):
+    """Exit status (None where the time limit was hit) and the text on stdout."""
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1",
+                   "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=time_limit)
+    except subprocess.TimeoutExpired:
+        return None, ""
+    if done.returncode not in (0, 1, 2, 3):
+        raise RuntimeError(f"exit status {done.returncode} of {command[0]}: {done.stderr.strip()[:500]}")
+    return done.returncode, done.stdout
+
+
+def solve(options, scene, method, tolerance, result=""):
+    """One run of the program: its summary as a dictionary, None where the time limit was hit."""
+    name, parameters = scene
+    with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
+        summary = pathlib.Path(folder) / "summary.json"
+        command = [options.haptos, str(ROOT / "inputs" / name), "--summary", str(summary)]
+        settings = {**parameters, "Solver->Method": method, "Solver->Relative Tolerance": f"{tolerance:g}",
+                    "Solver->Maximum Hessian Multiplications": 20000, "Output->File": result}
+        for path, value in settings.items():
+            command += ["--set", f"{path}={value}"]
+        status, _ = launch(command, options.time_limit)
+        if status is None:
+            return None
+        if not summary.exists():
+            raise RuntimeError(f"{name}, {method}, {tolerance:g}: exit status {status} and no summary")
+        return json.loads(summary.read_text())
+
+
+def contact_forces(path):
+    """Forces on the nodes [nodes x 3] of the last step of a result file."""
+    with netCDF4.Dataset(path) as file:
+        names = ["".join(c.decode() for c in row if c).strip("\0 ") for row in np.ma.filled(file["name_nod_var"][:], b"")]
+        columns = [names.index("contact_force_" + axis) + 1 for axis in "xyz"]
+        return np.stack([np.asarray(file[f"vals_nod_var{column}"][-1]) for column in columns], axis=1)
+
+
+def force_error(forces, reference):
+    """Largest error of a nodal contact force over the largest such force."""
+    return np.linalg.norm(forces - reference, axis=1).max() / np.linalg.norm(reference, axis=1).max()
+
+
+def run_with_forces(options, scene, method, tolerance):
+    """The summary of a run and the contact forces; None, None where the time limit was hit."""
+    with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
+        result = str(pathlib.Path(folder) / "result.exo")
+        summary = solve(options, scene, method, tolerance, result)
+        return (summary, contact_forces(result)) if summary else (None, None)
+
+
+def accuracy_row(name, method, tolerance, summary, error):
+    row = dict(scene=name, method=method, tolerance=f"{tolerance:g}")
+    if summary is None:
+        return {**row, "status": "time limit"}
+    solver = summary["solver"]
+    return {**row, "method_used": solver["method"], "status": solver["status"], "reason": solver["reason"],
+            "multiplications": solver["hessian_multiplications"],
+            "preconditioner_applications": solver["preconditioner_applications"],
+            "solve_seconds": f"{summary['time']['solve']:.4f}",
+            "kkt": f"{summary['accuracy']['kkt']:.3e}", "force_error": f"{error:.3e}"}
+
+
+def measure_scene(options, name, scene, tolerances):
+    summary, reference = run_with_forces(options, scene, "Automatic", REFERENCE_TOLERANCE)
+    if summary is None:
+        raise RuntimeError(f"{name}: no reference within the time limit")
+    rows = {"reference": {**accuracy_row(name, "Automatic", REFERENCE_TOLERANCE, summary, 0.0), "method": "reference"}}
+    # The other method at the reference's tolerance tells how far the reference itself can be trusted.
+    runs = [(method, t) for method in METHODS for t in tolerances] + [("SMALSE", REFERENCE_TOLERANCE)]
+    for run in runs * options.repeats:  # in rounds, so that a busy moment of the machine meets all methods alike
+        summary, forces = run_with_forces(options, scene, *run)
+        row = accuracy_row(name, *run, summary, np.nan if forces is None else force_error(forces, reference))
+        if run not in rows or float(row.get("solve_seconds", "inf")) < float(rows[run].get("solve_seconds", "inf")):
+            rows[run] = row
+            say(row)
+    return list(rows.values())
+
+
+def measure_accuracy(options):
+    tolerances = TOLERANCES[::2] if options.quick else TOLERANCES
+    scenes = list(SCENES.items())[:2 if options.quick else None]
+    return [row for name, scene in scenes for row in measure_scene(options, name, scene, tolerances)]
+
+
+SCENE_LINE = re.compile(r"^(\S+)\s+exit (\d+)  (.+) (\d+)  kkt (\S+) \(\w+\)  forces (\S+)  u \S+  dense ")
+
+
+def parse_scene(name, method, status, text):
+    """A row of the profile from what scenes_test printed about one scene."""
+    row = dict(scene=name, method=method)
+    if status is None:
+        return {**row, "status": "time limit"}
+    lines = text.splitlines()
+    failures = [line.split("FAILED", 1)[1].strip() for line in lines if line.startswith("    FAILED")]
+    row["remark"] = "; ".join(failures)
+    matches = [m for m in map(SCENE_LINE.match, lines) if m and m[1] == name]
+    if matches:
+        _, exit_status, used, count, kkt, error = matches[0].groups()
+        # A count above a promised one is slow, not wrong: the ratio shows it.
+        holds = exit_status == "0" and all("promises" in failure for failure in failures)
+        return {**row, "method_used": used, "status": "holds" if holds else "does not hold",
+                "multiplications": count, "kkt": kkt, "force_error": error}
+    ended = [m for m in (re.match(r"^(\S+)\s+exit (\d+)  ", line) for line in lines) if m and m[1] == name]
+    if not ended:
+        raise RuntimeError(f"scenes_test printed no line of scene {name}")
+    return {**row, "status": "does not hold" if failures else f"refused, as meant (exit {ended[0][2]})"}
+
+
+def measure_profile(options):
+    status, text = launch([options.scenes_test, "--list"], options.time_limit)
+    names = [line for line in text.splitlines() if re.fullmatch(r"[A-Za-z]\S*", line)]
+    if status != 0 or not names:
+        raise RuntimeError("scenes_test --list printed no scenes")
+    rows = []
+    for name, method in [(n, m) for n in (names[:12] if options.quick else names) for m in METHODS]:
+        # One scene a run, so that the time limit takes no other scene with it.
+        command = [options.scenes_test, "--scene", name, "--method", method]
+        rows.append(parse_scene(name, method, *launch(command, options.time_limit)))
+        say(rows[-1])
+    return rows
+
+
+def measure_counts(options):
+    rows = []
+    largest = 2 if options.quick else max(PUBLISHED)
+    for k, p, tolerance in [(k, p, t) for k in PUBLISHED if k <= largest for p in P_VALUES for t in COUNTED_AT]:
+        summary = solve(options, ("table31.xml", two_beams(k, p)), "Automatic", tolerance)
+        row = accuracy_row(None, None, tolerance, summary, np.nan)
+        row |= dict(k=k, p=p, subdomains=4 * k**3, published=PUBLISHED[k][P_VALUES.index(p)])
+        row |= dict(unknowns=summary["model"]["primal_unknowns"]) if summary else {}
+        rows.append(row)
+        say(rows[-1])
+    return rows
+
+
+def style():
+    plt.rcParams.update({
+        "font.size": 9, "axes.titlesize": 9.5, "axes.titlelocation": "left", "axes.spines.top": False,
+        "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6, "axes.axisbelow": True,
+        "xtick.minor.bottom": False, "ytick.minor.left": False, "svg.hashsalt": "haptos", "figure.facecolor": "white"})
+
+
+def label(axes, x, y, text, colour, offset=(4, 0), ha="left"):
+    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, fontsize=8.5, ha=ha, va="center",
+                  annotation_clip=False)
+
+
+def plain_ticks(axis):
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5)))
+    axis.set_major_formatter("{x:g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def number(row, key):
+    return float(row[key]) if row.get(key) else np.nan
+
+
+def draw_method(axes, rows, method, x_key, y_key):
+    """One method's line; runs that did not converge are crosses on no line, those without an answer are written out."""
+    solved = [r for r in rows if r["status"] == "converged"]
+    failed = [r for r in rows if r["status"] not in ("converged", "time limit")]
+    axes.plot([number(r, x_key) for r in solved], [number(r, y_key) for r in solved], color=COLOUR[method], **LINE[method])
+    axes.plot([number(r, x_key) for r in failed], [number(r, y_key) for r in failed], "x", color=COLOUR[method], markersize=8)
+    return [f"{method} at {r['tolerance']}: time limit" for r in rows if r["status"] == "time limit"]
+
+
+def draw_accuracy(rows, x_key, x_title):
+    scenes = list(dict.fromkeys(r["scene"] for r in rows))
+    figure, grid = plt.subplots(2, len(scenes), figsize=(3.5 * len(scenes), 5.6), sharex=True, sharey="row", squeeze=False)
+    for column, name in enumerate(scenes):
+        for line, y_key in enumerate(("multiplications", "solve_seconds")):
+            axes, missing = grid[line][column], []
+            axes.set(xscale="log", yscale="log")
+            for method in METHODS:
+                own = [r for r in rows if r["scene"] == name and r["method"] == method
+                       and float(r["tolerance"]) > REFERENCE_TOLERANCE]
+                missing += draw_method(axes, own, method, x_key, y_key)
+                if column == line == 0:
+                    name_line(axes, own, method, x_key, y_key)
+            axes.text(0.02, 0.02, "\n".join(missing), transform=axes.transAxes, fontsize=8)
+            plain_ticks(axes.yaxis)
+        grid[0][column].set_title(name)
+        grid[1][column].set_xlabel(x_title)
+    grid[0][0].invert_xaxis()
+    grid[0][0].set_ylabel("multiplications by F")
+    grid[1][0].set_ylabel("solve [s], 1 rank")
+    figure.text(0.01, 0.005, "more accurate to the right; cross: the run ended before its tolerance", color="#606060")
+    figure.tight_layout(rect=(0, 0.02, 1, 1))
+    return figure
+
+
+def name_line(axes, rows, method, x_key, y_key):
+    offset = (0, -15) if method == "Subspace Newton" else (0, 15)
+    for middle in rows[len(rows) // 2:][:1]:
+        label(axes, number(middle, x_key), number(middle, y_key), method, COLOUR[method], offset=offset, ha="center")
+
+
+def profile_ratios(rows):
+    """{method: its multiplications over the best method's, infinite where a scene does not hold}, and the scenes left out."""
+    counts = {}
+    for row in rows:
+        counts.setdefault(row["scene"], {})[row["method"]] = row
+    ratios, left_out = {method: [] for method in METHODS}, 0
+    for scene in counts.values():
+        if all(r["status"].startswith("refused") for r in scene.values()):
+            left_out += 1
+            continue
+        held = {m: number(r, "multiplications") for m, r in scene.items() if r["status"] == "holds"}
+        best = min(held.values(), default=np.inf)
+        for method in METHODS:
+            ratios[method].append(held[method] / best if method in held else np.inf)
+    return ratios, left_out
+
+
+def draw_profile(rows):
+    ratios, left_out = profile_ratios(rows)
+    total = len(ratios[METHODS[0]])
+    end = 1.3 * max(r for own in ratios.values() for r in own if np.isfinite(r))
+    figure, axes = plt.subplots(figsize=(6.6, 4.2))
+    finals = {}
+    for method in METHODS:
+        finite = np.sort([r for r in ratios[method] if np.isfinite(r)])
+        x = np.concatenate([[1.0], finite, [end]])
+        y = 100.0 * np.concatenate([[0], np.arange(1, len(finite) + 1), [len(finite)]]) / total
+        axes.step(x, y, where="post", color=COLOUR[method], linewidth=1.6, linestyle="--" if method == "Automatic" else "-")
+        finals[method] = (y[-1], len(finite))
+    height = np.inf
+    for method in sorted(METHODS, key=lambda m: -finals[m][0]):  # labels keep apart where lines end alike
+        height = min(finals[method][0], height - 5.5)
+        label(axes, end, height, f"{method}: {finals[method][1]} of {total}", COLOUR[method])
+    axes.set(xscale="log", xlim=(1, end), ylim=(0, 103), ylabel="scenes that hold [%]",
+             xlabel="multiplications by F, at most this many times those of the best method")
+    ticks = [t for t in (1, 2, 5, 10, 20, 50, 100, 200, 500) if t <= end]
+    axes.set_xticks(ticks, [str(t) for t in ticks])
+    axes.set_title(f"{total} scenes of scenes_test at 1e-6, without {left_out} that are refused, as they should be")
+    figure.tight_layout()
+    return figure
+
+
+def draw_counts_at(axes, p, rows):
+    lines = [("published", "#000000", [{**r, "status": "converged"} for r in rows], "published", (0, 8))]
+    for tolerance, colour, offset in zip(COUNTED_AT, ("#56B4E9", "#0072B2"), ((0, -13), (0, 15))):
+        at = [r for r in rows if float(r["tolerance"]) == tolerance]
+        lines.append((f"Haptos, kkt <= {tolerance:.0e}", colour, at, "multiplications", offset))
+    for name, colour, points, key, offset in lines:
+        for mark, drawn in (("o-", [r for r in points if r["status"] == "converged"]),
+                            ("x", [r for r in points if r["status"] not in ("converged", "time limit")])):
+            x, y = [int(r["subdomains"]) for r in drawn], [number(r, key) for r in drawn]
+            axes.plot(x, y, mark, color=colour, markersize=4 if mark == "o-" else 8, linewidth=1.4)
+            if p == P_VALUES[0] and mark == "o-" and drawn:
+                label(axes, x[len(x) // 2], y[len(y) // 2], name, colour, offset, "center")
+    lost = [f"{r['subdomains']} at {r['tolerance']}: time limit" for r in rows if r["status"] == "time limit"]
+    axes.text(0.02, 0.02, "\n".join(lost), transform=axes.transAxes, fontsize=8)
+
+
+def draw_counts(rows):
+    figure, grid = plt.subplots(1, len(P_VALUES), figsize=(10.5, 3.4), sharex=True, sharey=True)
+    subdomains = sorted({int(r["subdomains"]) for r in rows})
+    for axes, p in zip(grid, P_VALUES):
+        axes.set(xscale="log", yscale="log", title=f"H/h = {p}", xlabel="subdomains", ylim=(5, 3000))
+        draw_counts_at(axes, p, [r for r in rows if int(r["p"]) == p])
+        axes.set_xticks(subdomains, [str(s) for s in subdomains], fontsize=8)
+    grid[0].set_ylabel("multiplications by F")
+    plain_ticks(grid[0].yaxis)
+    figure.tight_layout()
+    return figure
+
+
+def say(row):
+    print(", ".join(str(value) for value in row.values() if value != ""), flush=True)
+
+
+def save(figure, options, name):
+    figure.savefig(options.folder / f"{name}.svg", metadata={"Date": None})
+    if options.png:
+        figure.savefig(options.folder / f"{name}.png", dpi=110)
+    plt.close(figure)
+
+
+def make(options, part):
+    measure, columns = {"accuracy": (measure_accuracy, ACCURACY_COLUMNS), "profile": (measure_profile, PROFILE_COLUMNS),
+                        "counts": (measure_counts, COUNTS_COLUMNS)}[part]
+    path = options.folder / f"{part}.csv"
+    if not options.redraw:
+        rows = measure(options)
+        with open(path, "w", newline="") as file:
+            writer = csv.DictWriter(file, columns, restval="", extrasaction="ignore", lineterminator="\n")
+            writer.writeheader()
+            writer.writerows(rows)
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    if part == "accuracy":
+        save(draw_accuracy(rows, "kkt", "kkt reached"), options, "accuracy_kkt")
+        save(draw_accuracy(rows, "force_error", "true error of the contact forces"), options, "accuracy_forces")
+    else:
+        save({"profile": draw_profile, "counts": draw_counts}[part](rows), options, part)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--haptos", default=str(ROOT / "build/release/bin/haptos"))
+    parser.add_argument("--scenes-test", default=str(ROOT / "build/release/bin/scenes_test"))
+    parser.add_argument("--only", action="append", choices=("accuracy", "profile", "counts"))
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--folder", type=pathlib.Path)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--time-limit", type=float, default=120.0, metavar="SECONDS", help="of one run")
+    parser.add_argument("--redraw", action="store_true")
+    parser.add_argument("--png", action="store_true")
+    options = parser.parse_args()
+    if options.quick and options.folder is None and not options.redraw:
+        parser.error("--quick needs a --folder, so that it does not replace the complete charts")
+    options.repeats = 1 if options.quick else max(1, options.repeats)
+    options.folder = options.folder or ROOT / "doc" / "charts"
+    options.folder.mkdir(parents=True, exist_ok=True)
+    style()
+    try:
+        for part in options.only or ("accuracy", "profile", "counts"):
+            make(options, part)
+    except (RuntimeError, OSError) as error:
+        print(f"haptos_chart: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
