@@ -341,7 +341,7 @@ def draw_counts(rows):
 
 
 def say(row):
-    print(", ".join(str(value) for value in row.values() if value != ""), flush=True)
+    print(", ".join(str(value) for value in row.values() if value not in ("", None, "nan")), flush=True)
 
 
 def save(figure, options, name):
