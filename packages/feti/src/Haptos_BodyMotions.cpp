@@ -86,8 +86,13 @@ Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
 }
 
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const BodyMotions& bodies) {
+  return findUnheldMotions(comm, GT, bodies.Z());
+}
+
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z) {
+  if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  const Eigen::SparseMatrix<double> rows = GT * bodies.Z();
+  const Eigen::SparseMatrix<double> rows = GT * Z;
   Eigen::MatrixXd A = Eigen::MatrixXd(Eigen::SparseMatrix<double>(rows.transpose() * rows));
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);

@@ -49,6 +49,9 @@ struct UnheldMotions {
 /// \param rows G^T on this rank's rows, or some of them (the others empty).  Collective.
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const BodyMotions& bodies);
 
+/// \brief The same for any motions Z [l x motions].
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const Eigen::SparseMatrix<double>& Z);
+
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
 ///
 /// \param e R^T f, \param loadScale size of the loads [force]

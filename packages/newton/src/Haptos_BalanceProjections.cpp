@@ -19,22 +19,22 @@ CoarseRows keepGluingRows(const CoarseRows& rows, const DualVectors& vectors) {
 
 }  // namespace
 
-GluingBalance::GluingBalance(const DualProblem& dual, const BodyMotions& bodies, const DualVectors& vectors)
-    : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(dual.G->rows(), vectors)), coarseSize_(dual.G->dimension()) {
-  const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, bodies);
-  for (int pivot : floating.pivots) holds_.push_back(bodies.hold(pivot / 6, pivot % 6));
+GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
+    : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(*dual.GT, vectors)), coarseSize_(dual.GT->cols()) {
+  const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, dual.motions);
+  for (int pivot : floating.pivots) holds_.push_back(dual.holds[std::size_t(pivot)]);
   EE_ = std::make_unique<CoarseProblem>(vectors.comm(), gluingRows_, std::vector<double>{}, holds_);
-  const Eigen::MatrixXd Z = bodies.Z() * floating.basis;
+  const Eigen::MatrixXd Z = dual.motions * floating.basis;
   Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
   if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
-  jumps_ = dual.G->rows() * Zk_;
+  jumps_ = *dual.GT * Zk_;
   H_.resize(3 * vectors.numPairs(), Zk_.cols());
   for (Eigen::Index j = 0; j < Zk_.cols(); ++j) H_.col(j) = vectors.contact(jumps_.col(j));
   load_ = Zk_.transpose() * dual.e;
 }
 
 Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
-  Eigen::VectorXd g = dual_.G->rows().transpose() * v;
+  Eigen::VectorXd g = dual_.GT->transpose() * v;
   vectors_.sum(g);
   return g;
 }
@@ -48,10 +48,10 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   vectors_.sum(g);
   Eigen::VectorXd a = solveOne(*EE_, g);
   a -= Zk_ * (Zk_.transpose() * a);
-  s -= dual_.G->rows() * a;
+  s -= *dual_.GT * a;
 }
 
-ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const DualVectors& vectors,
+ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors,
                                                const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                                const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
                                                const CoarseProblem::Holds& holds)
@@ -67,9 +67,9 @@ ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const Du
       for (int b = 0; b < 2; ++b)
         if (Y(a, b) != 0.0) triplets.emplace_back(pairs[i].tangential[a], pairs[i].tangential[b], Y(a, b));
   }
-  CoarseRows Y(dual.G->rows().rows(), dual.G->rows().rows());
+  CoarseRows Y(dual.GT->rows(), dual.GT->rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
-  rows_ = Y * dual.G->rows();
+  rows_ = Y * *dual.GT;
   CoarseProblem::Holds weak = holds;
   for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
   coarse_ = std::make_unique<CoarseProblem>(vectors.comm(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);

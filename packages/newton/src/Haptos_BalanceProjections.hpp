@@ -3,7 +3,7 @@
 #include <memory>
 
 #include "Haptos_BodyMotions.hpp"
-#include "Haptos_DualProblem.hpp"
+#include "Haptos_ContactProblem.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
 
@@ -16,7 +16,7 @@ namespace Haptos {
 class GluingBalance {
  public:
   /// Collective.
-  GluingBalance(const DualProblem& dual, const BodyMotions& bodies, const DualVectors& vectors);
+  GluingBalance(const ContactOperators& dual, const DualVectors& vectors);
 
   /// \brief v_E := v_E - G_E^T (G_E G_E^T)^-1 (G v - target): afterwards G v = target, if contact carries Zk^T target.
   void balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const;
@@ -34,7 +34,7 @@ class GluingBalance {
   const CoarseProblem::Holds& holds() const { return holds_; }
 
  private:
-  const DualProblem& dual_;
+  const ContactOperators& dual_;
   const DualVectors& vectors_;
   CoarseRows gluingRows_;  // G^T with contact rows emptied
   std::unique_ptr<CoarseProblem> EE_;
@@ -52,7 +52,7 @@ class GluingBalance {
 class ActiveCoarseProjection {
  public:
   /// \param weights [rows] D, \param modes [pairs].  Collective.
-  ActiveCoarseProjection(const DualProblem& dual, const DualVectors& vectors, const std::vector<PairLaw>& pairs,
+  ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors, const std::vector<PairLaw>& pairs,
                          const LawLinearization& law, const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
                          const CoarseProblem::Holds& holds);
 

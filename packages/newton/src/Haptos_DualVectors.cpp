@@ -11,12 +11,8 @@
 
 namespace Haptos {
 
-DualVectors::DualVectors(RCP<const Map> map, const ContactLaw& law, const MultiplierMap& multipliers)
-    : map_(std::move(map)), law_(law), numRows_(Eigen::Index(localNumElements(*map_))) {
-  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
-    if (multipliers.kinds()[row] == RowKind::Gluing || multipliers.kinds()[row] == RowKind::Dirichlet)
-      gluingRows_.push_back(int(row));
-}
+DualVectors::DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, std::vector<int> gluingRows)
+    : map_(std::move(map)), pairs_(pairs), numRows_(Eigen::Index(localNumElements(*map_))), gluingRows_(std::move(gluingRows)) {}
 
 Eigen::VectorXd DualVectors::gluing(const Eigen::VectorXd& x) const {
   Eigen::VectorXd part(Eigen::Index(gluingRows_.size()));
@@ -27,7 +23,7 @@ Eigen::VectorXd DualVectors::gluing(const Eigen::VectorXd& x) const {
 Eigen::VectorXd DualVectors::contact(const Eigen::VectorXd& x) const {
   Eigen::VectorXd values(3 * numPairs());
   for (Eigen::Index i = 0; i < numPairs(); ++i) {
-    const auto triple = ContactLaw::gather(law_.pairs()[std::size_t(i)], x.data());
+    const auto triple = ContactLaw::gather(pairs_[std::size_t(i)], x.data());
     for (int d = 0; d < 3; ++d) values[3 * i + d] = triple[d];
   }
   return values;
@@ -35,7 +31,7 @@ Eigen::VectorXd DualVectors::contact(const Eigen::VectorXd& x) const {
 
 void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const {
   for (Eigen::Index i = 0; i < numPairs(); ++i) {
-    const PairLaw& pair = law_.pairs()[std::size_t(i)];
+    const PairLaw& pair = pairs_[std::size_t(i)];
     x[pair.normal] = values[3 * i];
     for (int t = 0; t < 2; ++t)
       if (pair.tangential[t] >= 0) x[pair.tangential[t]] = values[3 * i + 1 + t];

@@ -13,10 +13,11 @@ namespace Haptos {
 /// 0 where a pair has no tangential rows.
 class DualVectors {
  public:
-  DualVectors(RCP<const Map> map, const ContactLaw& law, const MultiplierMap& multipliers);
+  /// \param pairs owned pairs, kept by reference; \param gluingRows owned rows.
+  DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, std::vector<int> gluingRows);
 
   Eigen::Index numRows() const { return numRows_; }
-  Eigen::Index numPairs() const { return Eigen::Index(law_.pairs().size()); }
+  Eigen::Index numPairs() const { return Eigen::Index(pairs_.size()); }
   const std::vector<int>& gluingRows() const { return gluingRows_; }
 
   Eigen::VectorXd gluing(const Eigen::VectorXd& x) const;
@@ -39,7 +40,7 @@ class DualVectors {
 
  private:
   RCP<const Map> map_;
-  const ContactLaw& law_;
+  const std::vector<PairLaw>& pairs_;
   Eigen::Index numRows_;
   std::vector<int> gluingRows_;
 };

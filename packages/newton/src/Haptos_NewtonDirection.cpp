@@ -23,7 +23,7 @@ double globalMedian(const Communicator& comm, const std::vector<double>& values)
   return n % 2 == 1 ? all[n / 2] : 0.5 * (all[n / 2 - 1] + all[n / 2]);
 }
 
-NewtonDirection::NewtonDirection(const DualProblem& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM,
+NewtonDirection::NewtonDirection(const ContactOperators& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM,
                                  const DualVectors& vectors, const GluingBalance& balance)
     : dual_(dual), M_(M), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM) {
   const Eigen::VectorXd contact = vectors.contact(stiffness_);

@@ -13,7 +13,7 @@ namespace Haptos {
 /// direction) is set afterwards.
 class NewtonDirection {
  public:
-  NewtonDirection(const DualProblem& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
+  NewtonDirection(const ContactOperators& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
                   const GluingBalance& balance);
 
   /// \brief Where the direction is taken.
@@ -37,7 +37,7 @@ class NewtonDirection {
   void holdFloatingBodies(const LawLinearization& law, Eigen::VectorXd& contact) const;
   double tangentialStiffness(const PairLaw& pair) const;
 
-  const DualProblem& dual_;
+  const ContactOperators& dual_;
   const Operator& M_;
   const DualVectors& vectors_;
   const GluingBalance& balance_;

@@ -46,7 +46,7 @@ struct SubspaceNewtonIter::Trial {
   double norm;
 };
 
-SubspaceNewtonIter::SubspaceNewtonIter(const DualProblem& dual, const DualVectors& vectors, const GluingBalance& balance,
+SubspaceNewtonIter::SubspaceNewtonIter(const ContactOperators& dual, const DualVectors& vectors, const GluingBalance& balance,
                                        NewtonDirection& direction, RecycledSubspace& subspace, double r)
     : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), baseR_(r), r_(r) {}
 

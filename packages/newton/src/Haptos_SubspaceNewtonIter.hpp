@@ -33,7 +33,7 @@ struct NewtonLimits {
 /// directions are added for the linear residual (an inexact Newton step), until two good steps in a row.
 class SubspaceNewtonIter {
  public:
-  SubspaceNewtonIter(const DualProblem& dual, const DualVectors& vectors, const GluingBalance& balance, NewtonDirection& direction,
+  SubspaceNewtonIter(const ContactOperators& dual, const DualVectors& vectors, const GluingBalance& balance, NewtonDirection& direction,
                      RecycledSubspace& subspace, double r);
 
   /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
@@ -59,7 +59,7 @@ class SubspaceNewtonIter {
   SmallSystem smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const;
   long applications() const { return dual_.F->applications() - firstApplication_; }
 
-  const DualProblem& dual_;
+  const ContactOperators& dual_;
   const DualVectors& vectors_;
   const GluingBalance& balance_;
   NewtonDirection& direction_;

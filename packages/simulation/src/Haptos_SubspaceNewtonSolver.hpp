@@ -6,11 +6,9 @@
 
 namespace Haptos {
 
-/// \brief Subspace Newton with continuation in the friction coefficients, all pairs kept between the levels.
+/// \brief SubspaceNewtonSolMgr on the operators of a FETI system, stopped by the estimate of kkt.
 ///
-/// Levels: where the axes differ by more than 10 the small coefficient is raised and lowered again step by step; then
-/// 1.5 times the coefficients; then the true ones.  A stall drops all pairs and comes back through more levels.
-/// `gaveUp` tells that four restarts did not help: another method may go on from `solution`.
+/// `gaveUp` tells that restarts did not help: another method may go on from `solution`.
 class SubspaceNewtonSolver final : public ContactSolver {
  public:
   explicit SubspaceNewtonSolver(SolverContext context);

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <BelosLinearProblem.hpp>
+#include <BelosTpetraAdapter.hpp>  // the traits of MultiVector and Operator, before any use of them
+#include <Eigen/Core>
+#include <vector>
+
+#include "Haptos_CoarseProblem.hpp"
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_CountedOperator.hpp"
+
+namespace Haptos {
+
+/// \brief What the subspace Newton method sees: operators, a coarse space and a law per pair; no mesh.
+///
+/// Find lambda [force] and a such that, with s = h - F lambda + G^T a [length],
+///
+///   G lambda = e,   s = 0 on gluing rows,   lambda = P(lambda + r s) on the rows of every pair (any r > 0).
+///
+/// Row indices are local to the map of F; all rows of a pair lie on one rank.
+struct ContactOperators {
+  RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
+  RCP<const Vector> h;                ///< [length]
+  RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
+  RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
+  RCP<const CoarseRows> GT;           ///< G^T on the owned rows
+  RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular
+  Eigen::VectorXd e;                  ///< [l], the same on all ranks
+  /// Coarse vectors of motions that the gluing rows may not feel [l x motions] (rigid motions of bodies); may have no
+  /// column.  holds[j]: a coarse vector that acts on motion j, `CoarseProblem::Holds`.
+  Eigen::SparseMatrix<double> motions;
+  CoarseProblem::Holds holds;
+  std::vector<PairLaw> pairs;         ///< owned pairs
+  std::vector<int> gluingRows;        ///< owned rows with s = 0
+};
+
+/// \brief A dual contact problem as a Belos linear problem: operator, left and right side are F, lambda and h.
+///
+/// lambda is start (made to obey G lambda = e) and result.
+class ContactProblem : public Belos::LinearProblem<double, MultiVector, Operator> {
+ public:
+  ContactProblem(ContactOperators operators, const RCP<MultiVector>& lambda);
+
+  const ContactOperators& operators() const { return operators_; }
+
+ private:
+  ContactOperators operators_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,40 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Continuation.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <algorithm>
+
+namespace Haptos {
+
+std::vector<PairLaw> scaledCoefficients(std::vector<PairLaw> pairs, double factor) {
+  for (auto& pair : pairs)
+    for (double& F : pair.coefficients) F *= factor;
+  return pairs;
+}
+
+std::vector<PairLaw> roundedEllipses(std::vector<PairLaw> pairs, double least) {
+  for (auto& pair : pairs) {
+    const double largest = std::max(pair.coefficients[0], pair.coefficients[1]);
+    for (double& F : pair.coefficients)
+      if (F > 0) F = std::max(F, least * largest);
+  }
+  return pairs;
+}
+
+double largestAxisRatio(const std::vector<PairLaw>& pairs, const Communicator& comm) {
+  double mine = 1, all = 1;
+  for (const auto& pair : pairs) {
+    const auto [low, high] = std::minmax(pair.coefficients[0], pair.coefficients[1]);
+    if (low > 0) mine = std::max(mine, high / low);
+  }
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(all));
+  return all;
+}
+
+std::vector<std::vector<PairLaw>> axisRatioLevels(const std::vector<PairLaw>& pairs, double ratio, double start, double factor) {
+  std::vector<std::vector<PairLaw>> levels;
+  for (double b = 1 / start; b * ratio > 1; b /= factor) levels.push_back(roundedEllipses(pairs, b));
+  return levels;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,87 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <BelosSolverManager.hpp>
+#include <Teuchos_ParameterList.hpp>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "Haptos_ContactProblem.hpp"
+
+namespace Haptos {
+
+/// \brief One step of the subspace Newton method.
+struct SubspaceNewtonRecord {
+  long hessianApplications = 0;  ///< so far, over all calls of solve()
+  double residual = 0;           ///< [-] of the level; at the true coefficients what is compared with the tolerance
+  bool isFinalLevel = false;     ///< the true coefficients of friction
+};
+
+/// \brief Subspace Newton with continuation in the friction coefficients, all pairs kept between the levels.
+///
+/// Levels: where the axes differ by much the small coefficient is raised and lowered again step by step; then
+/// larger coefficients; then the true ones.  A stall drops all pairs and comes back through more levels.
+/// Works on a `ContactProblem`; registered in Belos' factory as "Haptos Subspace Newton".  solve() may be called
+/// again with a tighter tolerance and then goes on where it was.  All parameters are dimensionless.
+class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVector, Operator> {
+ public:
+  using LinearProblem = Belos::LinearProblem<double, MultiVector, Operator>;
+  /// (lambda, s) -> dimensionless residual, the same on every rank.
+  using StatusTest = std::function<double(const Vector&, const Vector&)>;
+  using Observer = std::function<void(const SubspaceNewtonRecord&, const Vector&)>;
+
+  SubspaceNewtonSolMgr();
+  ~SubspaceNewtonSolMgr() override;
+  Teuchos::RCP<Belos::SolverManager<double, MultiVector, Operator>> clone() const override;
+
+  /// \brief A `ContactProblem`; forgets all pairs and the state.
+  /// \throws std::invalid_argument for any other linear problem.
+  void setProblem(const RCP<LinearProblem>& problem) override;
+
+  /// \throws InputError for a value out of range; Teuchos' exceptions for unknown names and wrong types.
+  void setParameters(const RCP<Teuchos::ParameterList>& parameters) override;
+
+  /// \brief Replaces the built-in test || (s_E, phi) || / || s of the start ||.
+  void setStatusTest(StatusTest test) { statusTest_ = std::move(test); }
+
+  /// \brief Called with every step and its multipliers, e.g. to print progress.
+  void setObserver(Observer observer) { observer_ = std::move(observer); }
+
+  /// \brief Goes on from other multipliers and jumps at the next solve(), without continuation and without pairs.
+  /// Collective; after setProblem.
+  void startFrom(const Vector& lambda, const Vector& s);
+
+  /// \brief Converged or Unconverged; `reason()` says why.  Collective.
+  /// \throws std::runtime_error on break-down.
+  Belos::ReturnType solve() override;
+
+  const std::string& reason() const { return reason_; }  ///< "converged", "limit of Hessian multiplications", "stagnation"
+  RCP<const Vector> jumps() const;  ///< s = h - F lambda + G^T a [length] of the result
+  long hessianApplications() const;  ///< since setProblem
+  double subspaceMemoryMb() const;  ///< on this rank
+
+  const LinearProblem& getProblem() const override { return *problem_; }
+  RCP<const Teuchos::ParameterList> getValidParameters() const override;
+  RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
+  double achievedTol() const override { return residual_; }
+  int getNumIters() const override;
+  bool isLOADetected() const override { return reason_ == stagnation(); }
+  void reset(const Belos::ResetType type) override;
+
+ private:
+  struct Work;
+  static const char* stagnation() { return "stagnation"; }
+
+  RCP<ContactProblem> problem_;
+  RCP<Teuchos::ParameterList> parameters_;
+  StatusTest statusTest_;
+  Observer observer_;
+  std::unique_ptr<Work> work_;
+  double residual_ = -1;
+  std::string reason_;
+};
+
+/// \brief Registers "Haptos Subspace Newton" with Belos::SolverFactory; may be called more than once.
+void registerSubspaceNewtonSolMgr();
+
+}  // namespace Haptos
