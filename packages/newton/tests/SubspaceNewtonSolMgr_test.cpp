@@ -1,0 +1,272 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Only Belos' interface and dense operators: no mesh, no FETI.
+#include "Haptos_SubspaceNewtonSolMgr.hpp"
+
+#include <BelosSolverFactory_Tpetra.hpp>
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Vector.hpp>
+
+#include "../../friction/tests/PlainLaw.hpp"
+#include "../../qp/tests/QpTestProblem.hpp"
+#include "Haptos_Error.hpp"
+
+namespace {
+
+using namespace HaptosTest;
+using Manager = SubspaceNewtonSolMgr;
+using Testing::Pair2;
+
+/// Pairs first (N, T1, T2 each), then gluing rows.  The first six columns of G^T act on gluing rows and a few pairs;
+/// where the problem floats, six more act on pairs alone.
+struct DenseContact {
+  DenseProblem layout;  // only groups and size, for the map
+  DenseMatrix F, M, GT, Z;
+  DenseVector h, e;
+  std::array<double, 2> friction;
+};
+
+DenseContact makeContact(int groups, int gluing, bool floating, unsigned seed) {
+  DenseContact d;
+  d.layout = makeRandomProblem(groups, gluing, 0, 1e-2, seed);
+  d.F = d.layout.A;
+  d.friction = {0.8, 0.4};
+  std::mt19937 rng(seed + 100);
+  std::normal_distribution<double> normal;
+  const auto random = [&](Eigen::Index r, Eigen::Index c) {
+    return DenseMatrix(DenseMatrix::NullaryExpr(r, c, [&] { return normal(rng); }));
+  };
+  const Eigen::Index n = d.F.rows(), contact = 3 * groups;
+  // a preconditioner as good as the Dirichlet one: F^-1 of a matrix that is off by some 20 %
+  const DenseMatrix E = 0.2 * random(n, n) / std::sqrt(double(n)), I = DenseMatrix::Identity(n, n);
+  d.M = (I + E) * d.F.inverse() * (I + E).transpose();
+  d.GT = DenseMatrix::Zero(n, floating ? 12 : 6);
+  d.GT.bottomLeftCorner(gluing, 6) = random(gluing, 6);
+  d.GT.topLeftCorner(contact, 6) = 0.1 * random(contact, 6);
+  d.Z = DenseMatrix::Zero(d.GT.cols(), 6);
+  d.Z.topRows(6).setIdentity();
+  if (floating) {
+    d.Z.setZero();
+    d.Z.bottomRows(6).setIdentity();
+    for (int i = 0; i < groups; ++i) {  // rigid motions of a plane: translations, tilts, spin
+      const double x = normal(rng), y = normal(rng);
+      d.GT.block<1, 6>(3 * i, 6) << 0, 0, 1, y, -x, 0;
+      d.GT.block<1, 6>(3 * i + 1, 6) << 1, 0, 0, 0, 0, -y;
+      d.GT.block<1, 6>(3 * i + 2, 6) << 0, 1, 0, 0, 0, x;
+    }
+  }
+  DenseVector inside = random(n, 1);  // multipliers well inside the cones carry the load
+  for (int i = 0; i < groups; ++i) inside.segment<3>(3 * i) = Eigen::Vector3d(2.0, 0.1 * inside[3 * i + 1], 0.1 * inside[3 * i + 2]);
+  d.e = d.GT.transpose() * inside;
+  DenseVector push = random(n, 1);
+  for (int i = 0; i < groups; ++i) push.segment<2>(3 * i + 1) *= 0.2;  // so that some pairs stick
+  d.h = d.F * inside + push;
+  return d;
+}
+
+/// The problem on the map, and what a solve needs.
+struct Setup {
+  DenseContact d;
+  RCP<const Map> map;
+  RCP<DenseOperator> F;
+  CoarseRows GT;
+  RCP<MultiVector> lambda;
+  RCP<ContactProblem> problem;
+
+  explicit Setup(const DenseContact& dense, double unitLength = 1, double unitForce = 1) : d(dense) {
+    d.F *= unitLength / unitForce;
+    d.M *= unitForce / unitLength;
+    d.h *= unitLength;
+    d.e *= unitForce;
+    map = d.layout.makeMap();
+    F = rcp(new DenseOperator(map, d.F));
+    lambda = rcp(new MultiVector(map, 1));
+    problem = rcp(new ContactProblem(operators(), lambda));
+  }
+
+  RCP<Vector> vectorOf(const DenseVector& values) const {
+    const auto v = rcp(new Vector(map));
+    scatter(values, *v);
+    return v;
+  }
+
+  ContactOperators operators() {
+    ContactOperators o;
+    o.F = rcp(new CountedOperator(F));
+    o.h = vectorOf(d.h);
+    o.M = rcp(new DenseOperator(map, d.M));
+    o.diagonalOfM = vectorOf(d.M.diagonal());
+    std::vector<Eigen::Triplet<double>> entries;
+    const int rows = int(map->getNodeNumElements());
+    for (int row = 0; row < rows; ++row)
+      for (Eigen::Index j = 0; j < d.GT.cols(); ++j) entries.emplace_back(row, int(j), d.GT(map->getGlobalElement(row), j));
+    GT.resize(rows, d.GT.cols());
+    GT.setFromTriplets(entries.begin(), entries.end());
+    o.GT = Teuchos::rcpFromRef(GT);
+    o.GGT = rcp(new CoarseProblem(*map->getComm(), GT, {}, {}));
+    o.e = d.e;
+    o.motions = d.Z.sparseView();
+    for (Eigen::Index j = 0; j < d.Z.cols(); ++j) o.holds.emplace_back(d.Z.col(j).sparseView());
+    for (int row = 0; row < rows; ++row) {
+      const auto global = map->getGlobalElement(row);
+      if (global >= 3 * d.layout.groups) o.gluingRows.push_back(row);
+      else if (global % 3 == 0) o.pairs.push_back({row, {row + 1, row + 2}, d.friction, 0, FrictionLaw::Coulomb, false});
+    }
+    return o;
+  }
+};
+
+struct Kkt {
+  double error = 0;  // with lambda and s of the size 1
+  int open = 0, slip = 0, stick = 0;
+};
+
+/// All conditions, by dense algebra and a plain projection.
+Kkt measure(const Setup& t, const Manager& manager, double unitLength = 1, double unitForce = 1) {
+  const DenseContact& d = t.d;
+  const DenseVector x = gather(*t.lambda) / unitForce, s = gather(*manager.jumps()) / unitLength;
+  Kkt kkt;
+  const DenseVector rigid = s * unitLength - d.h + d.F * x * unitForce;
+  const DenseMatrix GT = d.GT;
+  kkt.error = std::max(kkt.error, (rigid - GT * GT.colPivHouseholderQr().solve(rigid)).norm() / unitLength);
+  kkt.error = std::max(kkt.error, (GT.transpose() * x - d.e / unitForce).norm());
+  kkt.error = std::max(kkt.error, s.tail(s.size() - 3 * d.layout.groups).norm());
+  for (int i = 0; i < d.layout.groups; ++i) {
+    const double N = x[3 * i];
+    kkt.error = std::max({kkt.error, std::abs(N - std::max(0.0, N + s[3 * i]))});
+    const Pair2 axes{d.friction[0] * std::max(0.0, N), d.friction[1] * std::max(0.0, N)};
+    const Pair2 P = Testing::nearestOnEllipse({x[3 * i + 1] + s[3 * i + 1], x[3 * i + 2] + s[3 * i + 2]}, axes);
+    kkt.error = std::max(kkt.error, std::hypot(x[3 * i + 1] - P[0], x[3 * i + 2] - P[1]));
+    const double slip = std::hypot(s[3 * i + 1], s[3 * i + 2]);
+    ++(N <= 1e-9 ? kkt.open : slip > 1e-6 ? kkt.slip : kkt.stick);
+  }
+  return kkt;
+}
+
+RCP<Teuchos::ParameterList> withTolerance(double tolerance) {
+  const auto p = rcp(new Teuchos::ParameterList);
+  p->set("Convergence Tolerance", tolerance);
+  return p;
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, SolvesDenseContactThroughBelos) {
+  for (const bool floating : {false, true})
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      registerSubspaceNewtonSolMgr();
+      Belos::SolverFactory<double, MultiVector, Operator> factory;
+      const auto solver = factory.create("Haptos Subspace Newton", withTolerance(1e-10));
+      Setup t(makeContact(40, 30, floating, seed));
+      solver->setProblem(t.problem);
+      TEST_EQUALITY(solver->solve(), Belos::Converged);
+      const auto manager = Teuchos::rcp_dynamic_cast<Manager>(solver, true);
+      const Kkt kkt = measure(t, *manager);
+      out << (floating ? "floating" : "held") << ", error " << kkt.error << ", applications " << t.F->applications << ", open "
+          << kkt.open << " slip " << kkt.slip << " stick " << kkt.stick << "\n";
+      TEST_COMPARE(kkt.error, <=, 1e-7);
+      TEST_COMPARE(solver->achievedTol(), <=, 1e-10);
+      TEST_EQUALITY(manager->hessianApplications(), long(t.F->applications));
+      TEST_ASSERT(kkt.open > 0 && kkt.slip > 3 && kkt.stick > 0);
+      TEST_ASSERT(solver->getNumIters() > 5 && manager->subspaceMemoryMb() > 0);
+      TEST_EQUALITY(manager->reason(), std::string("converged"));
+    }
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, UnitsChangeNothing) {
+  const DenseContact d = makeContact(30, 24, false, 5);
+  int first = 0;
+  for (const auto& [length, force] : {std::pair{1.0, 1.0}, {1e3, 1e-3}, {1e-6, 1e6}}) {
+    Setup t(d, length, force);
+    Manager manager;
+    manager.setParameters(withTolerance(1e-9));
+    manager.setProblem(t.problem);
+    TEST_EQUALITY(manager.solve(), Belos::Converged);
+    TEST_COMPARE(measure(t, manager, length, force).error, <=, 1e-6);
+    if (first == 0) first = t.F->applications;
+    TEST_COMPARE(std::abs(t.F->applications - first), <=, 2);
+  }
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, StatusTestDecidesAndObserverSeesEveryStep) {
+  Setup t(makeContact(40, 30, false, 2));
+  Manager manager;
+  manager.setParameters(withTolerance(1e-5));
+  manager.setProblem(t.problem);
+  double last = 0;
+  int finals = 0, levels = 0, applications = 0;
+  manager.setStatusTest([&](const Vector& lambda, const Vector& s) {
+    TEST_ASSERT(lambda.getMap()->isSameAs(*s.getMap()));
+    const DenseVector x = gather(lambda), jump = gather(s);
+    last = jump.tail(30).lpNorm<Eigen::Infinity>();
+    return last += (t.d.GT.transpose() * x - t.d.e).norm();
+  });
+  manager.setObserver([&](const SubspaceNewtonRecord& r, const Vector&) {
+    ++(r.isFinalLevel ? finals : levels);
+    TEST_COMPARE(r.hessianApplications, >=, applications);
+    applications = int(r.hessianApplications);
+  });
+  TEST_EQUALITY(manager.solve(), Belos::Converged);
+  TEST_COMPARE(last, <=, 1e-5);
+  TEST_EQUALITY(manager.achievedTol(), last);
+  TEST_ASSERT(finals > 1 && levels > 1);
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, GoesOnWhereItWas) {
+  Setup once(makeContact(40, 30, false, 3)), twice(makeContact(40, 30, false, 3));
+  Manager a, b;
+  for (auto [manager, setup] : {std::pair{&a, &once}, {&b, &twice}}) manager->setProblem(setup->problem);
+  a.setParameters(withTolerance(1e-10));
+  b.setParameters(withTolerance(1e-4));
+  TEST_EQUALITY(a.solve(), Belos::Converged);
+  TEST_EQUALITY(b.solve(), Belos::Converged);
+  const int before = twice.F->applications;
+  b.setParameters(withTolerance(1e-10));
+  TEST_EQUALITY(b.solve(), Belos::Converged);
+  TEST_COMPARE(twice.F->applications, >, before);
+  TEST_COMPARE(twice.F->applications, <=, once.F->applications + 8);
+  TEST_COMPARE(measure(twice, b).error, <=, 1e-7);
+  out << "once " << once.F->applications << ", in two calls " << before << " + " << twice.F->applications - before << "\n";
+
+  Setup other(makeContact(40, 30, false, 3));  // from another method's result
+  Manager c;
+  c.setParameters(withTolerance(1e-10));
+  c.setProblem(other.problem);
+  c.startFrom(*twice.lambda->getVector(0), *b.jumps());
+  TEST_EQUALITY(c.solve(), Belos::Converged);
+  TEST_COMPARE(other.F->applications, <=, 6);
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, LimitAndStagnationAreReportedNotThrown) {
+  Setup t(makeContact(40, 30, false, 1));
+  Manager manager;
+  const auto p = withTolerance(1e-10);
+  p->set("Maximum Hessian Multiplications", 6);
+  manager.setParameters(p);
+  manager.setProblem(t.problem);
+  TEST_EQUALITY(manager.solve(), Belos::Unconverged);
+  TEST_EQUALITY(manager.reason(), std::string("limit of Hessian multiplications"));
+  TEST_COMPARE(t.F->applications, <=, 7);
+  Setup u(makeContact(40, 30, false, 1));
+  Manager never;
+  never.setParameters(withTolerance(0.0));
+  never.setProblem(u.problem);
+  TEST_EQUALITY(never.solve(), Belos::Unconverged);
+  TEST_ASSERT(never.isLOADetected());
+  TEST_COMPARE(never.achievedTol(), <, 1e-12);
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RefusesWrongParametersAndProblems) {
+  Manager m;
+  for (const char* name : {"First Axis Ratio", "First Factor", "Level Tolerance", "Floating Penalty", "Convergence Tolerance"}) {
+    const auto p = rcp(new Teuchos::ParameterList);
+    p->set(name, -1.0);
+    TEST_THROW(m.setParameters(p), InputError);
+  }
+  const auto q = rcp(new Teuchos::ParameterList);
+  q->set("Patients", 1);
+  TEST_THROW(m.setParameters(q), std::logic_error);
+  Setup t(makeContact(10, 12, false, 1));
+  const auto plain = rcp(new Belos::LinearProblem<double, MultiVector, Operator>(t.F, t.lambda, t.vectorOf(t.d.h)));
+  TEST_THROW(m.setProblem(plain), std::invalid_argument);
+  TEST_THROW(m.solve(), std::invalid_argument);
+}
+
+}  // namespace
