@@ -11,7 +11,8 @@ KEYS = {
     "model": {"bodies": COUNT, "subdomains": COUNT, "primal_unknowns": COUNT, "dual_unknowns": COUNT,
               "kernel_dimension": COUNT, "contact_pairs": COUNT, "discretization": str, "law": str, "left_out": list},
     "solver": {"method": str, "status": str, "reason": str, "outer_iterations": COUNT, "hessian_multiplications": COUNT,
-               "preconditioner_applications": COUNT, "coarse_solves": COUNT, "local_solves": COUNT, "history": list},
+               "preconditioner_applications": COUNT, "coarse_solves": COUNT, "local_solves": COUNT, "history": list,
+               "subspace": {"pairs": COUNT, "compressions": COUNT, "memory_mb": NUMBER}},
     "accuracy": {name: NUMBER for name in ("equilibrium", "continuity", "penetration", "compression",
                                            "complementarity", "cone", "slip_law", "kkt")},
     "contact": {"joint": {"normal_force": NUMBER, "tangential_force": list, "stick": COUNT, "slip": COUNT,
@@ -76,6 +77,24 @@ class Summary(SceneTest):
             missing.append(2 - sum(time.values()) / time["total"])  # part of the total in no phase
             self.assertGreater(missing[-1], -1e-6)
         self.assertLess(min(missing), 0.03)
+
+    def test_few_recycled_pairs(self):
+        """The limit is reached, the memory is less, the answer the same."""
+        arguments = [haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=3",
+                     "--set", "Solver->Relative Tolerance=1e-9", "--set", "Output->File=", "--summary", "summary.json"]
+        found = []
+        for more in ([], ["--set", "Solver->Maximum Recycled Pairs=20"]):
+            self.assertEqual(run_haptos([*arguments, *more], folder=self.folder).status, 0)
+            found.append(self.summary())
+        (every, few), (a, b) = [s["solver"]["subspace"] for s in found], [s["contact"]["interface"] for s in found]
+        self.assertGreater(every["pairs"], 20)
+        self.assertEqual((every["compressions"], few["pairs"]), (0, 20))
+        self.assertGreater(few["compressions"], 0)
+        self.assertLess(few["memory_mb"], every["memory_mb"])
+        for key in ("stick", "slip", "open"):
+            self.assertEqual(a[key], b[key])
+        self.assertAlmostEqual(a["normal_force"], b["normal_force"], delta=1e-6 * a["normal_force"])
+        self.assertLess(found[1]["solver"]["hessian_multiplications"], 2 * found[0]["solver"]["hessian_multiplications"])
 
     def test_left_out_without_friction(self):
         for friction in ({"Law": "Frictionless"}, {"Law": "Coulomb", "Coefficients": [0.0, 0.0]},

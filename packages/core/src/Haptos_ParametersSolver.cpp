@@ -65,6 +65,11 @@ ParameterTree solverSection() {
                          "Largest number of applications of F = B K^+ B^T to a vector")
                .defaultTo(5000)
                .within(NumberRange::atLeast(1)))
+      .add(ParameterSpec("Maximum Recycled Pairs", {Type::Int},
+                         "Subspace Newton keeps so many pairs of dual vectors; when they are reached older ones are dropped. "
+                         "Less memory, and below 30 more multiplications")
+               .defaultTo(300)
+               .within(NumberRange::atLeast(20)))
       .add(smalse());
   return section;
 }

@@ -5,11 +5,23 @@
 
 namespace Haptos {
 
-void RecycledSubspace::clear() { size_ = 0; }
+void RecycledSubspace::clear() { size_ = permanent_ = 0; }
+
+void RecycledSubspace::dropOldest() {
+  const Eigen::Index kept = std::max<Eigen::Index>(1, 2 * maximum_ / 3 - 2), dropped = size_ - permanent_ - kept;
+  if (dropped <= 0) return;
+  ++compressions_;
+  size_ = permanent_;  // columns before stay as they are, with their Q and R
+  for (Eigen::Index j = 0; j < kept; ++j) {
+    const Eigen::VectorXd v = V_.col(size_ + dropped), s = S_.col(size_ + dropped);
+    add(v, s);
+  }
+}
 
 void RecycledSubspace::grow() {
   constexpr Eigen::Index kFirst = 24;
-  const Eigen::Index capacity = std::max(kFirst, 2 * V_.cols());
+  const Eigen::Index most = permanent_ + std::min(maximum_, kUnlimited - permanent_);
+  const Eigen::Index capacity = std::max(size_ + 1, std::min(most, std::max(kFirst, 2 * V_.cols())));
   const auto resize = [&](Eigen::MatrixXd& m, Eigen::Index rows) { m.conservativeResize(rows, capacity); };
   resize(V_, vectors_.numRows());
   resize(S_, vectors_.numRows());
@@ -42,7 +54,7 @@ void RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
   S_.col(m) = s;
   Vc_.col(m) = vectors_.contact(v);
   Sc_.col(m) = vectors_.contact(s);
-  ++size_;
+  largest_ = std::max(largest_, ++size_);
 }
 
 Eigen::VectorXd RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) const {

@@ -13,10 +13,24 @@ namespace Haptos {
 /// (Q distributed, R the same on all ranks), the contact values of v_j and s_j apart as dense blocks.
 class RecycledSubspace {
  public:
-  explicit RecycledSubspace(const DualVectors& vectors) : vectors_(vectors) {}
+  /// \param maximum of pairs, the permanent ones not counted.
+  explicit RecycledSubspace(const DualVectors& vectors, Eigen::Index maximum = kUnlimited) : vectors_(vectors), maximum_(maximum) {}
+
+  static constexpr Eigen::Index kUnlimited = 1 << 30;
 
   Eigen::Index size() const { return size_; }
   void clear();
+
+  /// \brief The pairs that are there now stay for good (until `clear`).
+  void makePermanent() { permanent_ = size_; }
+  bool isFull() const { return size_ - permanent_ >= maximum_; }
+  void setMaximum(Eigen::Index maximum) { maximum_ = maximum; }
+
+  /// \brief Drops the older part of the pairs, the permanent ones apart; a third of the room is free afterwards.
+  ///
+  /// What the iteration stands on is added by the caller, as pairs of their own, so nothing reached is lost.
+  /// Collective: the gluing parts are orthogonalised anew.
+  void dropOldest();
 
   /// \brief Appends a pair; classical Gram-Schmidt, done twice.  Collective: three reductions.
   void add(const Eigen::VectorXd& v, const Eigen::VectorXd& s);
@@ -31,13 +45,16 @@ class RecycledSubspace {
   Eigen::VectorXd combineV(const Eigen::VectorXd& y) const { return V_.leftCols(size_) * y; }
   Eigen::VectorXd combineS(const Eigen::VectorXd& y) const { return S_.leftCols(size_) * y; }
 
-  double memoryMb() const;
+  double memoryMb() const;                               ///< on this rank
+  Eigen::Index largestSize() const { return largest_; }  ///< since construction
+  int compressions() const { return compressions_; }     ///< calls of dropOldest since construction
 
  private:
   void grow();
 
   const DualVectors& vectors_;
-  Eigen::Index size_ = 0;
+  Eigen::Index maximum_, size_ = 0, permanent_ = 0, largest_ = 0;
+  int compressions_ = 0;
   Eigen::MatrixXd V_, S_, Q_, R_, Vc_, Sc_;
 };
 

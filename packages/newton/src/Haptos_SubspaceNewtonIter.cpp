@@ -97,6 +97,18 @@ SubspaceNewtonIter::SmallSystem SubspaceNewtonIter::smallSystem(const LawLineari
   return system;
 }
 
+// Drops old pairs where the subspace is full; the way from the origin to here and the step in the making stay in it.
+void SubspaceNewtonIter::makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
+  if (!subspace_.isFull()) return;
+  subspace_.dropOldest();
+  const auto keep = [&](const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
+    const double size = vectors_.norm(s);
+    if (size > 0) subspace_.add(v / size, s / size);
+  };
+  if (origin_.lambda.size() == state.lambda.size()) keep(state.lambda - origin_.lambda, state.s - origin_.s);
+  keep(dLambda, dS);
+}
+
 void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
   const Eigen::VectorXd lambda = state.lambda + dLambda, s = state.s + dS;
   const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
@@ -108,6 +120,7 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
   Eigen::VectorXd sv = -vectors_.apply(*dual_.F, v);
   balance_.removeRigidPart(sv);
   const double size = vectors_.norm(sv);
+  makeRoom(dLambda, dS, state);
   if (size > 0) subspace_.add(v / size, sv / size);
 }
 

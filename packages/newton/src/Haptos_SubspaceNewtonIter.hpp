@@ -39,6 +39,9 @@ class SubspaceNewtonIter {
   /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
   NewtonStop iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits, bool needsDirection);
 
+  /// \brief Where the multipliers and jumps started from: what came since is kept as one pair when pairs are dropped.
+  void setOrigin(NewtonState origin) { origin_ = std::move(origin); }
+
   int steps() const { return steps_; }
   int newtonSteps() const { return newtonSteps_; }
   double residual() const { return norm_; }  ///< || (s_E, phi) || [length]
@@ -49,6 +52,7 @@ class SubspaceNewtonIter {
 
   void linearize(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
+  void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
   double solveInSubspace(NewtonState& state);
   bool hasStalled(const NewtonLimits& limits, int patience) const;
@@ -68,6 +72,7 @@ class SubspaceNewtonIter {
 
   const std::vector<PairLaw>* pairs_ = nullptr;
   LawLinearization law_;
+  NewtonState origin_;
   double norm_ = 0, bestNorm_ = 0, halved_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false;

@@ -23,6 +23,7 @@ RCP<const ParameterList> makeValidParameters() {
   auto p = Teuchos::rcp(new ParameterList("Haptos Subspace Newton"));
   p->set("Convergence Tolerance", 1e-6, "What the dimensionless residual is compared with.");
   p->set("Maximum Hessian Multiplications", 5000, "Limit over all calls of solve().");
+  p->set("Maximum Pairs", 300, "Limit of the recycled pairs; when it is reached older ones are dropped, >= 20.");
   p->set("First Axis Ratio", 10.0, "Axis ratio at which the continuation starts, >= 1; smaller ratios need none.");
   p->set("First Factor", 1.5, "Of the friction coefficients, before the true ones, >= 1.");
   p->set("Level Tolerance", 0.03, "Of a level before the last one, relative to the jumps of the start, > 0.");
@@ -51,7 +52,8 @@ void checkParameters(const ParameterList& p) {
   for (const Rule& r : rules)
     if (!(p.get<double>(r.name) >= r.low && std::isfinite(p.get<double>(r.name)))) refuse(r.name, p.get<double>(r.name), r.text);
   const std::pair<const char*, int> limits[] = {
-      {"Maximum Hessian Multiplications", 1}, {"Level Patience", 1}, {"Patience", 1}, {"Maximum Restarts", 0}};
+      {"Maximum Hessian Multiplications", 1}, {"Level Patience", 1}, {"Patience", 1}, {"Maximum Restarts", 0},
+      {"Maximum Pairs", 20}};
   for (const auto& [name, least] : limits)
     if (p.get<int>(name) < least) refuse(name, p.get<int>(name), "at least " + std::to_string(least));
 }
@@ -80,7 +82,7 @@ struct SubspaceNewtonSolMgr::Work {
         vectors(dual.F->getDomainMap(), pairs, dual.gluingRows),
         balance(dual, vectors),
         direction(dual, *dual.M, DualVectors::fromVector(*dual.diagonalOfM), vectors, balance),
-        subspace(vectors),
+        subspace(vectors, count("Maximum Pairs")),
         r((balance.numFloating() > 0 ? number("Floating Penalty") : 1.0) * direction.medianNormalStiffness()),
         iteration(dual, vectors, balance, direction, subspace, r),
         first(DualVectors::fromVector(*m.problem_->getLHS()->getVector(0))) {}
@@ -96,9 +98,12 @@ struct SubspaceNewtonSolMgr::Work {
     return s;
   }
 
-  void addFloatingMotions() {
+  // The state that all pairs start from, and the motions of floating bodies, which need no F.
+  void keepOrigin() {
     for (Eigen::Index j = 0; j < balance.numFloating(); ++j)
       subspace.add(Eigen::VectorXd::Zero(vectors.numRows()), balance.jumps().col(j));
+    subspace.makePermanent();
+    iteration.setOrigin(state);
   }
 
   void start() {
@@ -117,8 +122,8 @@ struct SubspaceNewtonSolMgr::Work {
     if (floating) {
       const Eigen::VectorXd x = vectors.contact(state.lambda) + r * vectors.contact(state.s);
       state.s += balance.jumps() * solveFoundation(pairs, x, r, balance, vectors).a;
-      addFloatingMotions();
     }
+    keepOrigin();
     reference = vectors.norm(state.s);
     started = true;
   }
@@ -193,6 +198,7 @@ struct SubspaceNewtonSolMgr::Work {
 
   NewtonStop solve() {
     tolerance = number("Convergence Tolerance");
+    subspace.setMaximum(count("Maximum Pairs"));
     if (!started) return continuation();
     refreshJumps();
     return run(pairs, 0.1 * tolerance, 2 * count("Patience"), true, false);
@@ -204,7 +210,7 @@ struct SubspaceNewtonSolMgr::Work {
     state.lambda = DualVectors::fromVector(lambda);
     balance.balance(state.lambda, dual.e);
     state.s = DualVectors::fromVector(s);
-    addFloatingMotions();
+    keepOrigin();
   }
 };
 
@@ -263,7 +269,11 @@ RCP<const Vector> SubspaceNewtonSolMgr::jumps() const {
 }
 
 long SubspaceNewtonSolMgr::hessianApplications() const { return problem_.is_null() ? 0 : problem_->operators().F->applications(); }
-double SubspaceNewtonSolMgr::subspaceMemoryMb() const { return work_ ? work_->subspace.memoryMb() : 0.0; }
+SubspaceNewtonSolMgr::Subspace SubspaceNewtonSolMgr::subspace() const {
+  if (!work_) return {};
+  const RecycledSubspace& s = work_->subspace;
+  return {long(s.largestSize()), s.compressions(), s.memoryMb()};
+}
 int SubspaceNewtonSolMgr::getNumIters() const { return work_ ? work_->iteration.steps() : 0; }
 
 void registerSubspaceNewtonSolMgr() {

@@ -58,7 +58,14 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   const std::string& reason() const { return reason_; }  ///< "converged", "limit of Hessian multiplications", "stagnation"
   RCP<const Vector> jumps() const;  ///< s = h - F lambda + G^T a [length] of the result
   long hessianApplications() const;  ///< since setProblem
-  double subspaceMemoryMb() const;  ///< on this rank
+
+  /// \brief The recycled pairs: how many at most, how often old ones were dropped, memory on this rank.
+  struct Subspace {
+    long largestSize = 0;
+    int compressions = 0;
+    double memoryMb = 0;
+  };
+  Subspace subspace() const;
 
   const LinearProblem& getProblem() const override { return *problem_; }
   RCP<const Teuchos::ParameterList> getValidParameters() const override;

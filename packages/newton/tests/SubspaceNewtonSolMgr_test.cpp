@@ -165,7 +165,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, SolvesDenseContactThroughBelos) {
       TEST_COMPARE(solver->achievedTol(), <=, 1e-10);
       TEST_EQUALITY(manager->hessianApplications(), long(t.F->applications));
       TEST_ASSERT(kkt.open > 0 && kkt.slip > 3 && kkt.stick > 0);
-      TEST_ASSERT(solver->getNumIters() > 5 && manager->subspaceMemoryMb() > 0);
+      TEST_ASSERT(solver->getNumIters() > 5 && manager->subspace().memoryMb > 0);
       TEST_EQUALITY(manager->reason(), std::string("converged"));
     }
 }
@@ -232,6 +232,31 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, GoesOnWhereItWas) {
   c.startFrom(*twice.lambda->getVector(0), *b.jumps());
   TEST_EQUALITY(c.solve(), Belos::Converged);
   TEST_COMPARE(other.F->applications, <=, 6);
+}
+
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, FewPairsGiveTheSameAnswer) {
+  for (const bool floating : {false, true}) {
+    Setup all(makeContact(40, 30, floating, 2)), few(makeContact(40, 30, floating, 2));
+    Manager a, b;
+    const auto p = withTolerance(1e-10);
+    p->set("Maximum Pairs", 20);
+    b.setParameters(p);
+    a.setParameters(withTolerance(1e-10));
+    for (auto [manager, setup] : {std::pair{&a, &all}, {&b, &few}}) {
+      manager->setProblem(setup->problem);
+      TEST_EQUALITY(manager->solve(), Belos::Converged);
+    }
+    TEST_COMPARE(measure(few, b).error, <=, 1e-7);
+    const DenseVector x = gather(*all.lambda);
+    TEST_COMPARE((gather(*few.lambda) - x).norm(), <=, 1e-6 * x.norm());
+    TEST_EQUALITY(a.subspace().compressions, 0);
+    TEST_COMPARE(b.subspace().compressions, >, 1);
+    TEST_EQUALITY(b.subspace().largestSize, 20 + (floating ? 6 : 0));  // floating motions are not counted
+    TEST_COMPARE(b.subspace().memoryMb, <, a.subspace().memoryMb);
+    out << "all pairs " << all.F->applications << " applications, " << a.subspace().largestSize << " pairs; few "
+        << few.F->applications << ", dropped " << b.subspace().compressions << " times\n";
+    TEST_COMPARE(few.F->applications, <=, 4 * all.F->applications);
+  }
 }
 
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, LimitAndStagnationAreReportedNotThrown) {

@@ -47,6 +47,10 @@ Json solverBlock(const SolverReport& solver) {
           {"preconditioner_applications", solver.preconditionerApplications},
           {"coarse_solves", solver.coarseSolves},
           {"local_solves", solver.localSolves},
+          {"subspace",
+           {{"pairs", solver.subspace.pairs},
+            {"compressions", solver.subspace.compressions},
+            {"memory_mb", solver.subspace.memoryMb}}},
           {"history", history}};
 }
 

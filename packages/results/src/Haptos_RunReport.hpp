@@ -30,12 +30,20 @@ struct HistoryEntry {
   long stick, slip, open;
 };
 
+/// \brief Pairs that the method keeps from step to step.
+struct SubspaceReport {
+  long pairs = 0;        ///< the most at one time
+  int compressions = 0;  ///< how often the limit was reached and old pairs were dropped
+  double memoryMb = 0;   ///< on the rank with most
+};
+
 struct SolverReport {
   std::string method;
   std::string status;  ///< "converged" or "not converged"
   std::string reason;
   int outerIterations = 0;
   long hessianMultiplications = 0, preconditionerApplications = 0, coarseSolves = 0, localSolves = 0;
+  SubspaceReport subspace;
   std::vector<HistoryEntry> history;
 };
 

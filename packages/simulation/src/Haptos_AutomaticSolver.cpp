@@ -3,8 +3,11 @@
 
 namespace Haptos {
 
-AutomaticSolver::AutomaticSolver(SolverContext context, const Teuchos::ParameterList& smalse)
-    : context_(std::move(context)), smalseParameters_(smalse), newton_(context_), current_(&newton_) {}
+AutomaticSolver::AutomaticSolver(SolverContext context, const Teuchos::ParameterList& parameters)
+    : context_(std::move(context)),
+      smalseParameters_(parameters.sublist("SMALSE")),
+      newton_(context_, parameters),
+      current_(&newton_) {}
 
 std::string AutomaticSolver::name() const {
   if (work_.size() == 1) return work_.front().first;

@@ -13,8 +13,8 @@ namespace Haptos {
 /// If Newton gives up a second time, SMALSE goes on to the end.  `name` tells who did how many multiplications.
 class AutomaticSolver final : public ContactSolver {
  public:
-  /// \param smalse the sublist Solver->SMALSE
-  AutomaticSolver(SolverContext context, const Teuchos::ParameterList& smalse);
+  /// \param parameters the list Solver
+  AutomaticSolver(SolverContext context, const Teuchos::ParameterList& parameters);
 
   std::string name() const override;
   bool solve(const SolveRequest& request) override;
@@ -22,6 +22,7 @@ class AutomaticSolver final : public ContactSolver {
   const std::string& reason() const override { return current_->reason(); }
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override { return history_; }
+  SubspaceReport subspace() const override { return newton_.subspace(); }
 
  private:
   bool run(ContactSolver& solver, const SolveRequest& request);

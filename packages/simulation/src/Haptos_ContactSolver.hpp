@@ -35,6 +35,9 @@ class ContactSolver {
   virtual const std::string& reason() const = 0;
   virtual int outerIterations() const = 0;
   virtual const std::vector<HistoryEntry>& history() const = 0;
+
+  /// \brief What the method keeps from step to step; zeros where it keeps nothing.  Collective.
+  virtual SubspaceReport subspace() const { return {}; }
 };
 
 /// \brief Scales and loads that a method may use for its estimate of kkt.

@@ -145,8 +145,8 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
                                 localMethod(parameters_));
   }
   if (method == "PCPG") return std::make_unique<PcpgSolver>(context);
-  if (method == "Subspace Newton") return std::make_unique<SubspaceNewtonSolver>(context);
-  return std::make_unique<AutomaticSolver>(context, list.sublist("SMALSE"));
+  if (method == "Subspace Newton") return std::make_unique<SubspaceNewtonSolver>(context, list);
+  return std::make_unique<AutomaticSolver>(context, list);
 }
 
 Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {
@@ -210,6 +210,7 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   s.preconditionerApplications = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->applications();
   s.coarseSolves = system_->dual().GGT->solves();
   s.history = solver.history();
+  s.subspace = solver.subspace();
   long mine = system_->systems().localSolves();
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceNewtonSolver.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
@@ -43,11 +44,14 @@ struct SubspaceNewtonSolver::Impl {
   std::string reason;
   std::vector<HistoryEntry> history;
 
-  explicit Impl(SolverContext c)
+  Impl(SolverContext c, int maximumPairs)
       : context(std::move(c)),
         estimator(context.system, context.loads),
         lambda(Teuchos::rcp(new MultiVector(*context.system.dual().lambdaIm, Teuchos::Copy))),
         problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system), lambda))) {
+    auto list = Teuchos::parameterList();
+    list->set("Maximum Pairs", maximumPairs);
+    manager.setParameters(list);
     manager.setProblem(problem);
     manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance).kkt(); });
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.residual, l); });
@@ -71,7 +75,8 @@ struct SubspaceNewtonSolver::Impl {
   }
 };
 
-SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context) : impl_(std::make_unique<Impl>(std::move(context))) {}
+SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context, const Teuchos::ParameterList& parameters)
+    : impl_(std::make_unique<Impl>(std::move(context), parameters.get<int>("Maximum Recycled Pairs"))) {}
 SubspaceNewtonSolver::~SubspaceNewtonSolver() = default;
 
 void SubspaceNewtonSolver::startFrom(const DualSolution& solution) { impl_->manager.startFrom(*solution.lambda, *solution.s); }
@@ -93,6 +98,12 @@ const std::string& SubspaceNewtonSolver::reason() const { return impl_->reason; 
 int SubspaceNewtonSolver::outerIterations() const { return impl_->manager.getNumIters(); }
 const std::vector<HistoryEntry>& SubspaceNewtonSolver::history() const { return impl_->history; }
 bool SubspaceNewtonSolver::gaveUp() const { return impl_->manager.isLOADetected(); }
-double SubspaceNewtonSolver::subspaceMemoryMb() const { return impl_->manager.subspaceMemoryMb(); }
+
+SubspaceReport SubspaceNewtonSolver::subspace() const {
+  const auto s = impl_->manager.subspace();
+  SubspaceReport report{s.largestSize, s.compressions, 0};
+  Teuchos::reduceAll(*impl_->context.system.model().comm, Teuchos::REDUCE_MAX, s.memoryMb, Teuchos::outArg(report.memoryMb));
+  return report;
+}
 
 }  // namespace Haptos

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Teuchos_ParameterList.hpp>
 #include <memory>
 
 #include "Haptos_ContactSolver.hpp"
@@ -11,7 +12,8 @@ namespace Haptos {
 /// `gaveUp` tells that restarts did not help: another method may go on from `solution`.
 class SubspaceNewtonSolver final : public ContactSolver {
  public:
-  explicit SubspaceNewtonSolver(SolverContext context);
+  /// \param parameters the list Solver
+  SubspaceNewtonSolver(SolverContext context, const Teuchos::ParameterList& parameters);
   ~SubspaceNewtonSolver() override;
 
   std::string name() const override { return "Subspace Newton"; }
@@ -25,7 +27,7 @@ class SubspaceNewtonSolver final : public ContactSolver {
   void startFrom(const DualSolution& solution);
 
   bool gaveUp() const;
-  double subspaceMemoryMb() const;
+  SubspaceReport subspace() const override;
 
  private:
   struct Impl;
