@@ -33,12 +33,15 @@ Json modelBlock(const ModelReport& model) {
 
 Json solverBlock(const SolverReport& solver) {
   Json history = Json::array();
-  for (const auto& entry : solver.history)
+  for (const auto& entry : solver.history) {
     history.push_back({{"hessian_multiplications", entry.hessianMultiplications},
                        {"residual", entry.residual},
                        {"stick", entry.stick},
                        {"slip", entry.slip},
                        {"open", entry.open}});
+    if (isCommunicationCounted())
+      history.back().update({{"reductions", entry.sent.reductions}, {"bytes_sent", entry.sent.bytesSent()}});
+  }
   return {{"method", solver.method},
           {"status", solver.status},
           {"reason", solver.reason},
@@ -77,6 +80,24 @@ Json timeBlock(const PhaseTimes& times) {
   return block;
 }
 
+// Arrays over the ranks for the whole run; by phase the largest of the ranks.
+Json communicationBlock(const CommunicationReport& report) {
+  Json block = {{"reductions", Json::array()}, {"other_collectives", Json::array()}, {"messages", Json::array()},
+                {"message_bytes", Json::array()}, {"collective_bytes", Json::array()}, {"bytes_sent", Json::array()}};
+  const auto numbers = [](const CommunicationCounts& c) {
+    return Json{{"reductions", c.reductions}, {"other_collectives", c.collectives}, {"messages", c.messages},
+                {"message_bytes", c.messageBytes}, {"collective_bytes", c.collectiveBytes}, {"bytes_sent", c.bytesSent()}};
+  };
+  for (const auto& rank : report.ofRank) {
+    const Json ofRank = numbers(rank);
+    for (const auto& [name, value] : ofRank.items()) block[name].push_back(value);
+  }
+  Json phases = Json::object();
+  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = numbers(report.largestOfPhase[i]);
+  block["largest_of_phase"] = phases;
+  return block;
+}
+
 }  // namespace
 
 std::string modelText(const ModelReport& model) {
@@ -92,13 +113,14 @@ std::string modelJson(const RunReport& report) {
 }
 
 std::string summaryJson(const RunReport& report) {
-  const Json summary = {{"haptos", headerJson(report)},
-                        {"model", modelBlock(report.model)},
-                        {"solver", solverBlock(report.solver)},
-                        {"accuracy", accuracyBlock(report)},
-                        {"contact", contactBlock(report)},
-                        {"time", timeBlock(report.times)},
-                        {"memory", {{"peak_rss_mb", report.peakMemoryMb}}}};
+  Json summary = {{"haptos", headerJson(report)},
+                  {"model", modelBlock(report.model)},
+                  {"solver", solverBlock(report.solver)},
+                  {"accuracy", accuracyBlock(report)},
+                  {"contact", contactBlock(report)},
+                  {"time", timeBlock(report.times)},
+                  {"memory", {{"peak_rss_mb", report.peakMemoryMb}}}};
+  if (report.communication.isCounted) summary["communication"] = communicationBlock(report.communication);
   return summary.dump(2) + "\n";
 }
 

@@ -28,6 +28,7 @@ struct HistoryEntry {
   long hessianMultiplications;
   double residual;
   long stick, slip, open;
+  CommunicationCounts sent = communicationSoFar();  ///< by this rank, from the start of the program to this entry
 };
 
 struct SolverReport {
@@ -51,6 +52,7 @@ struct RunReport {
   std::vector<InterfaceResult> interfaces;
   PhaseTimes times;
   std::vector<double> peakMemoryMb;
+  CommunicationReport communication;
 };
 
 std::string modelText(const ModelReport& model);    ///< for people, a few lines

@@ -241,6 +241,7 @@ void Simulation::write(SimulationResult& result) {
       writer.close();
     });
   }
+  result.report.communication = clock_.communication(*comm_);
   result.report.times = clock_.slowest(*comm_);
   result.report.peakMemoryMb = gatherPeakMemoryMb(*comm_);
   runOnRoot(*comm_, [&] {
