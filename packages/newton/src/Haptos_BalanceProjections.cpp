@@ -6,8 +6,6 @@
 namespace Haptos {
 namespace {
 
-Eigen::VectorXd solveOne(const CoarseProblem& problem, const Eigen::VectorXd& b) { return problem.solve(b); }
-
 // Scales rows of G^T: `keep` is 1 on gluing rows and 0 on contact rows.
 CoarseRows keepGluingRows(const CoarseRows& rows, const DualVectors& vectors) {
   Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
@@ -23,7 +21,7 @@ GluingBalance::GluingBalance(const DualProblem& dual, const BodyMotions& bodies,
     : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(dual.G->rows(), vectors)), coarseSize_(dual.G->dimension()) {
   const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, bodies);
   for (int pivot : floating.pivots) holds_.push_back(bodies.hold(pivot / 6, pivot % 6));
-  EE_ = std::make_unique<CoarseProblem>(vectors.comm(), gluingRows_, std::vector<double>{}, holds_);
+  EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), gluingRows_, std::vector<double>{}, holds_);
   const Eigen::MatrixXd Z = bodies.Z() * floating.basis;
   Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
   if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
@@ -40,13 +38,12 @@ Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
 }
 
 void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
-  v -= gluingRows_ * solveOne(*EE_, applyG(v) - target);
+  const Eigen::VectorXd mine = dual_.G->rows().transpose() * v;
+  v -= gluingRows_ * Eigen::VectorXd(EE_->solveSum(mine, target));
 }
 
 void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
-  Eigen::VectorXd g = gluingRows_.transpose() * s;
-  vectors_.sum(g);
-  Eigen::VectorXd a = solveOne(*EE_, g);
+  Eigen::VectorXd a = EE_->solveSum(Eigen::VectorXd(gluingRows_.transpose() * s));
   a -= Zk_ * (Zk_.transpose() * a);
   s -= dual_.G->rows() * a;
 }
@@ -55,7 +52,7 @@ ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const Du
                                                const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                                const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
                                                const CoarseProblem::Holds& holds)
-    : vectors_(vectors), weights_(weights) {
+    : weights_(weights) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
   std::vector<Eigen::Triplet<double>> triplets;
   for (int row : vectors.gluingRows()) triplets.emplace_back(row, row, 1.0);
@@ -72,19 +69,17 @@ ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const Du
   rows_ = Y * dual.G->rows();
   CoarseProblem::Holds weak = holds;
   for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
-  coarse_ = std::make_unique<CoarseProblem>(vectors.comm(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);
+  coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
-  Eigen::VectorXd g = rows_.transpose() * weights_.cwiseProduct(residual);
-  vectors_.sum(g);
-  residual -= rows_ * solveOne(*coarse_, g);
+  const Eigen::VectorXd mine = rows_.transpose() * weights_.cwiseProduct(residual);
+  residual -= rows_ * Eigen::VectorXd(coarse_->solveSum(mine));
 }
 
 void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const {
-  Eigen::VectorXd g = rows_.transpose() * z;
-  vectors_.sum(g);
-  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * solveOne(*coarse_, g)));
+  const Eigen::VectorXd mine = rows_.transpose() * z;
+  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * Eigen::VectorXd(coarse_->solveSum(mine))));
 }
 
 }  // namespace Haptos

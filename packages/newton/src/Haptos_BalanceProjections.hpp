@@ -60,7 +60,6 @@ class ActiveCoarseProjection {
   void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
 
  private:
-  const DualVectors& vectors_;
   const Eigen::VectorXd& weights_;
   CoarseRows rows_;
   std::unique_ptr<CoarseProblem> coarse_;

@@ -80,6 +80,21 @@ Json timeBlock(const PhaseTimes& times) {
   return block;
 }
 
+Json coarseBlock(const CoarseReport& coarse) {
+  return {{"unknowns", coarse.unknowns},
+          {"factors", coarse.factors},
+          {"factor_entries", coarse.factorEntries},
+          {"set_ups", coarse.setUps},
+          {"set_up_seconds", coarse.setUpSeconds},
+          {"set_up_reductions", coarse.setUpReductions},
+          {"set_up_bytes", coarse.setUpBytes},
+          {"set_up_message_bytes", coarse.setUpMessageBytes},
+          {"solves", coarse.solves},
+          {"solve_seconds", coarse.solveSeconds},
+          {"solve_reductions", coarse.solveReductions},
+          {"solve_bytes", coarse.solveBytes}};
+}
+
 // Arrays over the ranks for the whole run; by phase the largest of the ranks.
 Json communicationBlock(const CommunicationReport& report) {
   Json block = {{"reductions", Json::array()}, {"other_collectives", Json::array()}, {"messages", Json::array()},
@@ -119,7 +134,8 @@ std::string summaryJson(const RunReport& report) {
                   {"accuracy", accuracyBlock(report)},
                   {"contact", contactBlock(report)},
                   {"time", timeBlock(report.times)},
-                  {"memory", {{"peak_rss_mb", report.peakMemoryMb}}}};
+                  {"memory", {{"peak_rss_mb", report.peakMemoryMb}}},
+                  {"coarse", coarseBlock(report.coarse)}};
   if (report.communication.isCounted) summary["communication"] = communicationBlock(report.communication);
   return summary.dump(2) + "\n";
 }

@@ -40,6 +40,17 @@ struct SolverReport {
   std::vector<HistoryEntry> history;
 };
 
+/// \brief The coarse matrices of a run: G G^T and those of the method.  Largest of the ranks; calls are those of rank 0.
+struct CoarseReport {
+  long unknowns = 0;            ///< of one matrix
+  int factors = 0;              ///< ranks that hold one
+  long setUps = 0, solves = 0;  ///< matrices made, right-hand sides
+  long long factorEntries = 0;  ///< of the largest factor
+  double setUpSeconds = 0, solveSeconds = 0;
+  long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
+  long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;
+};
+
 /// \brief Everything that the summary says.
 struct RunReport {
   std::string version;
@@ -52,6 +63,7 @@ struct RunReport {
   std::vector<InterfaceResult> interfaces;
   PhaseTimes times;
   std::vector<double> peakMemoryMb;
+  CoarseReport coarse;
   CommunicationReport communication;
 };
 
