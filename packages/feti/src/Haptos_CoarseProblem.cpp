@@ -18,13 +18,13 @@ namespace {
 
 constexpr int kModes = 6;
 using Block = std::array<double, kModes * kModes>;
-using Blocks = std::unordered_map<std::uint64_t, Block>;
+using BlockMap = std::unordered_map<std::uint64_t, Block>;
 
 std::uint64_t blockKey(int row, int column) { return (std::uint64_t(row) << 32) | std::uint64_t(column); }
 
 // Blocks (s, t), s >= t, of C^T diag(q) C.
-Blocks accumulateBlocks(const CoarseRows& C, const std::vector<double>& q) {
-  Blocks blocks;
+BlockMap accumulateBlocks(const CoarseRows& C, const std::vector<double>& q) {
+  BlockMap blocks;
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     const double weight = q.empty() ? 1.0 : q[std::size_t(row)];
     const int begin = C.outerIndexPtr()[row], end = C.outerIndexPtr()[row + 1];
@@ -50,7 +50,7 @@ Blocks accumulateBlocks(const CoarseRows& C, const std::vector<double>& q) {
   return blocks;
 }
 
-Bytes packBlocks(const Blocks& blocks) {
+Bytes packBlocks(const BlockMap& blocks) {
   std::vector<std::uint64_t> keys;
   std::vector<Block> values;
   for (const auto& [key, block] : blocks) {
@@ -63,26 +63,28 @@ Bytes packBlocks(const Blocks& blocks) {
   return writer.take();
 }
 
+void addBlock(BlockMap& blocks, std::uint64_t key, const Block& block) {
+  Block& sum = blocks.try_emplace(key, Block{}).first->second;
+  for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += block[i];
+}
+
 // Adds up the messages' blocks in the order of the messages, so that the digits do not depend on arrival.
-Blocks sumBlocks(const std::vector<Bytes>& messages) {
-  Blocks total;
+BlockMap sumBlocks(const std::vector<Bytes>& messages) {
+  BlockMap total;
   for (const auto& message : messages) {
     ByteReader reader(message);
     const auto keys = reader.readVector<std::uint64_t>();
     const auto blocks = reader.readVector<Block>();
-    for (std::size_t k = 0; k < keys.size(); ++k) {
-      Block& sum = total.try_emplace(keys[k], Block{}).first->second;
-      for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += blocks[k][i];
-    }
+    for (std::size_t k = 0; k < keys.size(); ++k) addBlock(total, keys[k], blocks[k]);
   }
   return total;
 }
 
 // The blocks of A on the holders of a factor; each block is added up by one rank, mostly one that touches it.
-Blocks assembleBlocks(const CoarsePlacement& placement, const Blocks& mine, Eigen::Index subdomains) {
+BlockMap assembleBlocks(const CoarsePlacement& placement, const BlockMap& mine, Eigen::Index subdomains) {
   const Communicator& comm = placement.comm();
   if (comm.getSize() == 1) return mine;
-  std::vector<Blocks> parts(comm.getSize());
+  std::vector<BlockMap> parts(comm.getSize());
   for (const auto& [key, block] : mine) {
     const long long row = (long long)(key >> 32);
     parts[std::size_t(row * comm.getSize() / subdomains)].emplace(key, block);  // subdomains are dealt in this order
@@ -110,7 +112,7 @@ class Measured {
   CommunicationCounts before_ = communicationSoFar();
 };
 
-Eigen::SparseMatrix<double> toMatrix(const Blocks& blocks, Eigen::Index size, const CoarseProblem::Holds& holds) {
+Eigen::SparseMatrix<double> toMatrix(const BlockMap& blocks, Eigen::Index size, const CoarseProblem::Holds& holds) {
   std::vector<Eigen::Triplet<double>> triplets;
   double scale = 0;
   for (const auto& [key, block] : blocks) {
@@ -134,11 +136,25 @@ Eigen::SparseMatrix<double> toMatrix(const Blocks& blocks, Eigen::Index size, co
 
 }  // namespace
 
-CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
+class CoarseBlocks {
+ public:
+  explicit CoarseBlocks(BlockMap blocks) : blocks(std::move(blocks)) {}
+  const BlockMap blocks;
+};
+
+CoarseProblem::Blocks CoarseProblem::assemble(const CoarsePlacement& placement, const CoarseRows& C, const std::vector<double>& q) {
+  const Measured measured(placement.costs().setUpSeconds, placement.costs().setUpSent);
+  return std::make_shared<CoarseBlocks>(assembleBlocks(placement, accumulateBlocks(C, q), C.cols() / kModes));
+}
+
+CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds,
+                             const Blocks& common)
     : placement_(std::move(placement)) {
   CoarseCosts& costs = placement_->costs();
   const Measured measured(costs.setUpSeconds, costs.setUpSent);
-  const Blocks blocks = assembleBlocks(*placement_, accumulateBlocks(C, q), C.cols() / kModes);
+  BlockMap blocks = assembleBlocks(*placement_, accumulateBlocks(C, q), C.cols() / kModes);
+  if (common)
+    for (const auto& [key, block] : common->blocks) addBlock(blocks, key, block);
   const auto factor = [&] {
     factor_ = std::make_unique<LocalSolverFactor>(toMatrix(blocks, C.cols(), holds), LocalSolverMethod::Automatic);
     costs.factorEntries = std::max(costs.factorEntries, factor_->factorEntries());

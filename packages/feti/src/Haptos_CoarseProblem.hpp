@@ -14,6 +14,9 @@ namespace Haptos {
 /// Rows: owned dual rows of this rank; columns: all coarse unknowns, 6 x subdomain + mode (global).
 using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
+/// \brief The 6 x 6 blocks of a coarse matrix, on the holders of its factor.
+class CoarseBlocks;
+
 /// \brief The matrix A = sum over ranks of C^T diag(q) C, with C = G^T on this rank's rows, and its sparse factor.
 ///
 /// Assembly is distributed: every 6 x 6 block has an owner, who adds up what the ranks have of it in the order of the
@@ -23,9 +26,15 @@ class CoarseProblem {
   /// \brief Coarse vectors w [l x k]: w w^T, scaled to A, is added to hold motions that nothing else holds.
   using Holds = std::vector<Eigen::SparseVector<double>>;
   using Placement = std::shared_ptr<const CoarsePlacement>;
+  using Blocks = std::shared_ptr<const CoarseBlocks>;
 
-  /// \param q [owned rows] positive weights, or empty for 1.  Collective.
-  CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
+  /// \brief The blocks of sum over ranks of C^T diag(q) C, for matrices that have this part in common.  Collective.
+  static Blocks assemble(const CoarsePlacement& placement, const CoarseRows& C, const std::vector<double>& q);
+
+  /// \param q [owned rows] positive weights, or empty for 1
+  /// \param common blocks that are added to those of C and need not be sent again; may be null.  Collective.
+  CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds,
+                const Blocks& common = nullptr);
   /// \brief With a factor on every rank.
   CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
 

@@ -51,11 +51,10 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
 ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const DualVectors& vectors,
                                                const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                                const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                                               const CoarseProblem::Holds& holds)
+                                               const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous)
     : weights_(weights) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
   std::vector<Eigen::Triplet<double>> triplets;
-  for (int row : vectors.gluingRows()) triplets.emplace_back(row, row, 1.0);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (law.closed[i]) triplets.emplace_back(pairs[i].normal, pairs[i].normal, 1.0);
     if (!law.tangential[i]) continue;
@@ -66,10 +65,13 @@ ActiveCoarseProjection::ActiveCoarseProjection(const DualProblem& dual, const Du
   }
   CoarseRows Y(dual.G->rows().rows(), dual.G->rows().rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
-  rows_ = Y * dual.G->rows();
+  const CoarseRows contact = Y * dual.G->rows(), gluing = keepGluingRows(dual.G->rows(), vectors);
+  rows_ = gluing + contact;
+  const std::vector<double> q(weights.data(), weights.data() + weights.size());
+  gluing_ = previous ? previous->gluing_ : CoarseProblem::assemble(*dual.GGT->placement(), gluing, q);
   CoarseProblem::Holds weak = holds;
   for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
-  coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);
+  coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), contact, q, weak, gluing_);
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
