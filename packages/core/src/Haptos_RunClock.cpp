@@ -83,13 +83,19 @@ CommunicationCounts unpacked(const long long* n) { return {long(n[0]), long(n[1]
 
 }  // namespace
 
+std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine) {
+  const auto numbers = packed(mine);
+  std::vector<long long> all(kNumbers * std::size_t(comm.getSize()));
+  Teuchos::gatherAll(comm, kNumbers, numbers.data(), int(all.size()), all.data());
+  std::vector<CommunicationCounts> ofRank;
+  for (int r = 0; r < comm.getSize(); ++r) ofRank.push_back(unpacked(all.data() + kNumbers * r));
+  return ofRank;
+}
+
 CommunicationReport RunClock::communication(const Communicator& comm) const {
-  const auto total = packed(communicationSoFar());
   CommunicationReport report;
   report.isCounted = isCommunicationCounted();
-  std::vector<long long> all(kNumbers * std::size_t(comm.getSize()));
-  Teuchos::gatherAll(comm, kNumbers, total.data(), int(all.size()), all.data());
-  for (int r = 0; r < comm.getSize(); ++r) report.ofRank.push_back(unpacked(all.data() + kNumbers * r));
+  report.ofRank = gatherCommunication(comm, communicationSoFar());
   std::array<long long, kNumbers * numPhases> mine{}, largest{};
   for (std::size_t i = 0; i < numPhases; ++i) {
     const auto numbers = packed(sent_[i]);

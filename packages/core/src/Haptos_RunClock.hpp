@@ -81,6 +81,9 @@ class RunClock {
   std::array<CommunicationCounts, numPhases> sent_;
 };
 
+/// \brief `mine` of every rank, [number of ranks], the same on all.  Collective.
+std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine);
+
 /// \brief Largest resident memory of this process so far [MB = 2^20 bytes].
 double peakMemoryMb();
 

@@ -18,6 +18,7 @@ struct CoarseCosts {
   long setUps = 0, solves = 0;  ///< matrices made, right-hand sides solved
   double setUpSeconds = 0, solveSeconds = 0;
   CommunicationCounts setUpSent, solveSent;
+  std::size_t blocks = 0;         ///< 6 x 6, lower triangle, of the first matrix: G G^T; 0 where not held
   std::size_t factorEntries = 0;  ///< the largest factor on this rank, 0 if it never held one
 };
 

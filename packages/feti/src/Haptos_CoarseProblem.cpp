@@ -159,7 +159,7 @@ CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std
     factor_ = std::make_unique<LocalSolverFactor>(toMatrix(blocks, C.cols(), holds), LocalSolverMethod::Automatic);
     costs.factorEntries = std::max(costs.factorEntries, factor_->factorEntries());
   };
-  ++costs.setUps;
+  if (costs.setUps++ == 0 && placement_->holds()) costs.blocks = blocks.size();
   if (placement_->isReplicated()) {
     factor();  // fails on all ranks or on none
     return;

@@ -83,6 +83,7 @@ Json timeBlock(const PhaseTimes& times) {
 Json coarseBlock(const CoarseReport& coarse) {
   return {{"unknowns", coarse.unknowns},
           {"factors", coarse.factors},
+          {"blocks", coarse.blocks},
           {"factor_entries", coarse.factorEntries},
           {"set_ups", coarse.setUps},
           {"set_up_seconds", coarse.setUpSeconds},
@@ -95,21 +96,34 @@ Json coarseBlock(const CoarseReport& coarse) {
           {"solve_bytes", coarse.solveBytes}};
 }
 
-// Arrays over the ranks for the whole run; by phase the largest of the ranks.
-Json communicationBlock(const CommunicationReport& report) {
-  Json block = {{"reductions", Json::array()}, {"other_collectives", Json::array()}, {"messages", Json::array()},
-                {"message_bytes", Json::array()}, {"collective_bytes", Json::array()}, {"bytes_sent", Json::array()}};
-  const auto numbers = [](const CommunicationCounts& c) {
-    return Json{{"reductions", c.reductions}, {"other_collectives", c.collectives}, {"messages", c.messages},
-                {"message_bytes", c.messageBytes}, {"collective_bytes", c.collectiveBytes}, {"bytes_sent", c.bytesSent()}};
-  };
-  for (const auto& rank : report.ofRank) {
-    const Json ofRank = numbers(rank);
-    for (const auto& [name, value] : ofRank.items()) block[name].push_back(value);
+Json numbersOf(const CommunicationCounts& c) {
+  return {{"reductions", c.reductions}, {"other_collectives", c.collectives}, {"messages", c.messages},
+          {"message_bytes", c.messageBytes}, {"collective_bytes", c.collectiveBytes}, {"bytes_sent", c.bytesSent()}};
+}
+
+// An array over the ranks for every number.
+Json arraysOf(const std::vector<CommunicationCounts>& ofRank) {
+  Json block = Json::object();
+  for (const auto& counts : ofRank) {
+    const Json numbers = numbersOf(counts);
+    for (const auto& [name, value] : numbers.items()) block[name].push_back(value);
   }
+  return block;
+}
+
+Json jumpBlock(long vectors, const std::vector<CommunicationCounts>& ofRank) {
+  const Json arrays = arraysOf(ofRank);
+  return {{"vectors", vectors}, {"messages", arrays["messages"]}, {"message_bytes", arrays["message_bytes"]}};
+}
+
+// Arrays over the ranks for the whole run; by phase the largest of the ranks.
+Json communicationBlock(const RunReport& report) {
+  Json block = arraysOf(report.communication.ofRank);
   Json phases = Json::object();
-  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = numbers(report.largestOfPhase[i]);
+  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = numbersOf(report.communication.largestOfPhase[i]);
   block["largest_of_phase"] = phases;
+  block["jump"] = jumpBlock(report.jump.forwardVectors, report.jump.forward);
+  block["jump_transposed"] = jumpBlock(report.jump.transposedVectors, report.jump.transposed);
   return block;
 }
 
@@ -136,7 +150,7 @@ std::string summaryJson(const RunReport& report) {
                   {"time", timeBlock(report.times)},
                   {"memory", {{"peak_rss_mb", report.peakMemoryMb}}},
                   {"coarse", coarseBlock(report.coarse)}};
-  if (report.communication.isCounted) summary["communication"] = communicationBlock(report.communication);
+  if (report.communication.isCounted) summary["communication"] = communicationBlock(report);
   return summary.dump(2) + "\n";
 }
 

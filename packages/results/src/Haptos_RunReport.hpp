@@ -45,10 +45,17 @@ struct CoarseReport {
   long unknowns = 0;            ///< of one matrix
   int factors = 0;              ///< ranks that hold one
   long setUps = 0, solves = 0;  ///< matrices made, right-hand sides
+  long blocks = 0;              ///< 6 x 6, lower triangle, of G G^T
   long long factorEntries = 0;  ///< of the largest factor
   double setUpSeconds = 0, solveSeconds = 0;
   long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
   long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;
+};
+
+/// \brief What B and B^T sent, the most part of the messages of an iteration.
+struct JumpReport {
+  long forwardVectors = 0, transposedVectors = 0;            ///< vectors multiplied by B, by B^T
+  std::vector<CommunicationCounts> forward, transposed;      ///< [ranks]
 };
 
 /// \brief Everything that the summary says.
@@ -64,6 +71,7 @@ struct RunReport {
   PhaseTimes times;
   std::vector<double> peakMemoryMb;
   CoarseReport coarse;
+  JumpReport jump;
   CommunicationReport communication;
 };
 

@@ -54,9 +54,9 @@ std::vector<std::string> leftOut(const ModelData& data, long pairs) {
 
 CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   const CoarseCosts& c = placement.costs();
-  const std::array<double, 6> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
-                                      c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes)};
-  std::array<double, 6> largest;
+  const std::array<double, 7> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
+                                      c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks)};
+  std::array<double, 7> largest;
   Teuchos::reduceAll(placement.comm(), Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
   CoarseReport report;
   report.unknowns = unknowns;
@@ -71,7 +71,13 @@ CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   report.setUpSeconds = largest[3];
   report.solveSeconds = largest[4];
   report.setUpMessageBytes = (long long)(largest[5]);
+  report.blocks = long(largest[6]);
   return report;
+}
+
+JumpReport measureJump(const JumpOperator& B, const Communicator& comm) {
+  return {B.forward().vectors, B.transposed().vectors, gatherCommunication(comm, B.forward().sent),
+          gatherCommunication(comm, B.transposed().sent)};
 }
 
 // Known before the work starts, so said before it.
@@ -237,6 +243,7 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
 
   report_.coarse = measureCoarse(*system_->dual().GGT->placement(), system_->dual().G->dimension());
+  report_.jump = measureJump(system_->jump(), *comm_);
 
   SimulationResult result;
   result.solved = accuracy.errors.kkt() <= report_.tolerance;
