@@ -7,6 +7,7 @@
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_MpiCounter.hpp"
 #include "Haptos_Parameters.hpp"
 #include "Haptos_Simulation.hpp"
 
@@ -85,6 +86,7 @@ int runProgram(const RCP<const Communicator>& comm, int argc, char* argv[]) {
 int main(int argc, char* argv[]) {
   setenv("OPENBLAS_NUM_THREADS", "1", 0);  // one thread a rank, unless the user says otherwise
   Tpetra::ScopeGuard mpi(&argc, &argv);
+  countMpiCalls();
   const auto comm = Tpetra::getDefaultComm();
   const auto report = [&](const char* kind, const std::exception& e) {
     if (comm->getRank() == 0) std::cerr << "haptos: " << kind << e.what() << std::endl;

@@ -12,6 +12,7 @@ ParameterTree boundaryConditionsSection();
 ParameterTree contactSection();
 ParameterTree localSolverSection();
 ParameterTree preconditionerSection();
+ParameterTree coarseProblemSection();
 ParameterTree solverSection();
 ParameterTree outputSection();
 

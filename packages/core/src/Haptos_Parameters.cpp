@@ -59,6 +59,7 @@ ParameterTree makeTree() {
       .add(contactSection())
       .add(localSolverSection())
       .add(preconditionerSection())
+      .add(coarseProblemSection())
       .add(solverSection())
       .add(outputSection())
       .rule("`Decomposition->Method` Bricks needs a generated mesh, and fixes the number of subdomains.",

@@ -50,6 +50,20 @@ ParameterTree preconditionerSection() {
   return section;
 }
 
+ParameterTree coarseProblemSection() {
+  ParameterTree section("Coarse Problem",
+                        "Where the factors of the coarse matrices live (6 unknowns a subdomain); the answer does not depend on it.");
+  section
+      .add(ParameterSpec("Replicated Up To", {Type::Int},
+                         "Coarse unknowns up to which every rank holds a factor; a larger one is shared by groups of ranks")
+               .defaultTo(20000)
+               .within(NumberRange::atLeast(0)))
+      .add(ParameterSpec("Ranks Per Factor", {Type::Int}, "Ranks that share a factor then; 0 takes those of a node")
+               .defaultTo(0)
+               .within(NumberRange::atLeast(0)));
+  return section;
+}
+
 ParameterTree solverSection() {
   ParameterTree section("Solver", "The iteration for the contact and gluing forces.");
   section

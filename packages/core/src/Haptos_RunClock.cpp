@@ -4,6 +4,7 @@
 #include <sys/resource.h>
 
 #include <Teuchos_CommHelpers.hpp>
+#include <algorithm>
 #include <chrono>
 
 namespace Haptos {
@@ -24,7 +25,7 @@ const char* phaseName(Phase phase) {
 
 RunClock::RunClock() : RunClock(wallSeconds) {}
 
-RunClock::RunClock(Now now) : now_(std::move(now)), start_(now_()), lastChange_(start_) {}
+RunClock::RunClock(Now now) : now_(std::move(now)), start_(now_()), lastChange_(start_), sentBefore_(communicationSoFar()) {}
 
 RunClock::Scope::~Scope() {
   if (clock_) clock_->stop();
@@ -38,8 +39,13 @@ RunClock::Scope RunClock::time(Phase phase) {
 
 void RunClock::credit() {
   const double now = now_();
-  if (!running_.empty()) seconds_[std::size_t(running_.back())] += now - lastChange_;
+  const CommunicationCounts sent = communicationSoFar();
+  if (!running_.empty()) {
+    seconds_[std::size_t(running_.back())] += now - lastChange_;
+    sent_[std::size_t(running_.back())] += sent - sentBefore_;
+  }
   lastChange_ = now;
+  sentBefore_ = sent;
 }
 
 void RunClock::stop() {
@@ -63,6 +69,41 @@ PhaseTimes RunClock::slowest(const Communicator& comm) const {
   for (std::size_t i = 0; i < numPhases; ++i) times.seconds[i] = largest[i];
   times.total = largest[numPhases];
   return times;
+}
+
+namespace {
+
+constexpr int kNumbers = 5;  // of one CommunicationCounts
+
+std::array<long long, kNumbers> packed(const CommunicationCounts& c) {
+  return {c.reductions, c.collectives, c.messages, c.messageBytes, c.collectiveBytes};
+}
+
+CommunicationCounts unpacked(const long long* n) { return {long(n[0]), long(n[1]), long(n[2]), n[3], n[4]}; }
+
+}  // namespace
+
+std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine) {
+  const auto numbers = packed(mine);
+  std::vector<long long> all(kNumbers * std::size_t(comm.getSize()));
+  Teuchos::gatherAll(comm, kNumbers, numbers.data(), int(all.size()), all.data());
+  std::vector<CommunicationCounts> ofRank;
+  for (int r = 0; r < comm.getSize(); ++r) ofRank.push_back(unpacked(all.data() + kNumbers * r));
+  return ofRank;
+}
+
+CommunicationReport RunClock::communication(const Communicator& comm) const {
+  CommunicationReport report;
+  report.isCounted = isCommunicationCounted();
+  report.ofRank = gatherCommunication(comm, communicationSoFar());
+  std::array<long long, kNumbers * numPhases> mine{}, largest{};
+  for (std::size_t i = 0; i < numPhases; ++i) {
+    const auto numbers = packed(sent_[i]);
+    std::copy(numbers.begin(), numbers.end(), mine.begin() + kNumbers * i);
+  }
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
+  for (std::size_t i = 0; i < numPhases; ++i) report.largestOfPhase[i] = unpacked(largest.data() + kNumbers * i);
+  return report;
 }
 
 double peakMemoryMb() {

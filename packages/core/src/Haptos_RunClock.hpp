@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -21,7 +22,14 @@ struct PhaseTimes {
   double of(Phase phase) const { return seconds[std::size_t(phase)]; }
 };
 
-/// \brief Measures how long this rank spends in every phase.
+/// \brief What was sent, by rank and by phase.
+struct CommunicationReport {
+  bool isCounted = false;
+  std::vector<CommunicationCounts> ofRank;                   ///< [ranks], the whole run
+  std::array<CommunicationCounts, numPhases> largestOfPhase;  ///< entry by entry the largest of the ranks
+};
+
+/// \brief Measures how long this rank spends, and what it sends, in every phase.
 ///
 /// A phase that starts inside another one stops the outer one until it ends, so no second counts twice and
 /// the phases add up to at most the total.
@@ -52,18 +60,29 @@ class RunClock {
   double seconds(Phase phase) const;  ///< [s] on this rank, a running phase included
   double total() const;               ///< [s] since construction
 
+  /// \brief What this rank sent in a phase, without its running part.
+  const CommunicationCounts& sent(Phase phase) const { return sent_[std::size_t(phase)]; }
+
   /// \brief Maxima over the ranks, the same on all.  Collective.
   PhaseTimes slowest(const Communicator& comm) const;
 
+  /// \brief The same on all ranks; what it sends itself is not in it.  Collective.
+  CommunicationReport communication(const Communicator& comm) const;
+
  private:
-  void credit();  ///< gives the time since the last change to the innermost running phase
+  void credit();  ///< gives the time and the messages since the last change to the innermost running phase
   void stop();
 
   Now now_;
   double start_, lastChange_;
   std::vector<Phase> running_;
   std::array<double, numPhases> seconds_{};
+  CommunicationCounts sentBefore_;  // at the last change
+  std::array<CommunicationCounts, numPhases> sent_;
 };
+
+/// \brief `mine` of every rank, [number of ranks], the same on all.  Collective.
+std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine);
 
 /// \brief Largest resident memory of this process so far [MB = 2^20 bytes].
 double peakMemoryMb();

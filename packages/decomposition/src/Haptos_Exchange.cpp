@@ -7,6 +7,7 @@
 #include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
 
 namespace Haptos {
 namespace {
@@ -32,6 +33,10 @@ void receive(MPI_Comm comm, Bytes& message, int from, std::vector<MPI_Request>& 
   }
 }
 
+void waitFor(std::vector<MPI_Request>& requests) {
+  MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
+
 }  // namespace
 
 std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes>& outgoing) {
@@ -51,26 +56,79 @@ std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes
   for (int r = 0; r < ranks; ++r)
     if (r != me) send(raw, outgoing[r], r, requests);
   incoming[me] = outgoing[me];
-  MPI_Waitall(int(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  waitFor(requests);
   return incoming;
 }
 
 Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messages, int root) {
-  std::vector<Bytes> outgoing(comm.getSize());
-  if (comm.getRank() == root) outgoing = messages;
-  return std::move(exchangeAll(comm, outgoing)[root]);
+  const MPI_Comm raw = rawComm(comm);
+  const bool isRoot = comm.getRank() == root;
+  std::vector<std::uint64_t> sizes;
+  if (isRoot)
+    for (const auto& message : messages) sizes.push_back(message.size());
+  std::uint64_t size = 0;
+  MPI_Scatter(sizes.data(), 1, MPI_UINT64_T, &size, 1, MPI_UINT64_T, root, raw);
+  if (!isRoot) {
+    Bytes mine(size);
+    std::vector<MPI_Request> requests;
+    receive(raw, mine, root, requests);
+    waitFor(requests);
+    return mine;
+  }
+  std::vector<MPI_Request> requests;
+  for (int r = 0; r < comm.getSize(); ++r)
+    if (r != root) send(raw, messages[r], r, requests);
+  waitFor(requests);
+  return messages[root];
 }
 
 std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, int root) {
-  std::vector<Bytes> outgoing(comm.getSize());
-  outgoing[root] = message;
-  auto incoming = exchangeAll(comm, outgoing);
-  if (comm.getRank() != root) incoming.clear();
+  const MPI_Comm raw = rawComm(comm);
+  const int ranks = comm.getSize();
+  std::vector<std::uint64_t> sizes(ranks);
+  const std::uint64_t size = message.size();
+  MPI_Gather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, root, raw);
+  std::vector<MPI_Request> requests;
+  if (comm.getRank() != root) {
+    send(raw, message, root, requests);
+    waitFor(requests);
+    return {};
+  }
+  std::vector<Bytes> incoming(ranks);
+  for (int r = 0; r < ranks; ++r) {
+    if (r == root) continue;
+    incoming[r].resize(sizes[r]);
+    receive(raw, incoming[r], r, requests);
+  }
+  incoming[root] = message;
+  waitFor(requests);
   return incoming;
 }
 
 std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message) {
-  return exchangeAll(comm, std::vector<Bytes>(comm.getSize(), message));
+  const MPI_Comm raw = rawComm(comm);
+  const int ranks = comm.getSize();
+  std::vector<std::uint64_t> sizes(ranks);
+  const std::uint64_t size = message.size();
+  MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, raw);
+  const std::uint64_t total = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t(0));
+  if (total > kPiece) return exchangeAll(comm, std::vector<Bytes>(ranks, message));
+  std::vector<int> counts(sizes.begin(), sizes.end()), starts(ranks, 0);
+  std::partial_sum(counts.begin(), counts.end() - 1, starts.begin() + 1);
+  Bytes all(total);
+  MPI_Allgatherv(message.data(), counts[comm.getRank()], MPI_BYTE, all.data(), counts.data(), starts.data(), MPI_BYTE, raw);
+  std::vector<Bytes> incoming;
+  for (int r = 0; r < ranks; ++r) incoming.emplace_back(all.begin() + starts[r], all.begin() + starts[r] + counts[r]);
+  return incoming;
+}
+
+int lowestRankOfNode(const Communicator& comm) {
+  MPI_Comm node;
+  MPI_Comm_split_type(rawComm(comm), MPI_COMM_TYPE_SHARED, comm.getRank(), MPI_INFO_NULL, &node);
+  int lowest = comm.getRank();
+  MPI_Bcast(&lowest, 1, MPI_INT, 0, node);
+  MPI_Comm_free(&node);
+  return lowest;
 }
 
 }  // namespace Haptos

@@ -24,4 +24,7 @@ std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, 
 /// \brief Every rank gets every rank's message, by sender.  Collective.
 std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message);
 
+/// \brief The lowest rank among those that share this one's memory.  Collective.
+int lowestRankOfNode(const Communicator& comm);
+
 }  // namespace Haptos

@@ -9,6 +9,17 @@
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
+namespace {
+
+template <class Transfer>
+void count(JumpOperator::Traffic& traffic, std::size_t vectors, Transfer&& transfer) {
+  const CommunicationCounts before = communicationSoFar();
+  transfer();
+  traffic.vectors += long(vectors);
+  traffic.sent += communicationSoFar() - before;
+}
+
+}  // namespace
 
 JumpOperator::JumpOperator(RCP<const MultiplierMap> multipliers, int firstSubdomain, const std::vector<int>& dofsOfSubdomain)
     : multipliers_(std::move(multipliers)), firstSubdomain_(firstSubdomain), primalOffsets_{0} {
@@ -46,11 +57,11 @@ void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp 
     }
     // Tpetra 13.2 adds only what comes from other ranks; what is here already would be replaced.
     MultiVector sum(y.getMap(), columns);
-    sum.doExport(overlap, multipliers_->importer(), Tpetra::ADD);
+    count(forward_, columns, [&] { sum.doExport(overlap, multipliers_->importer(), Tpetra::ADD); });
     y.update(1.0, sum, beta);
     return;
   }
-  overlap.doImport(x, multipliers_->importer(), Tpetra::INSERT);
+  count(transposed_, columns, [&] { overlap.doImport(x, multipliers_->importer(), Tpetra::INSERT); });
   if (beta == 0.0) y.putScalar(0.0);
   else y.scale(beta);
   for (std::size_t v = 0; v < columns; ++v) {

@@ -3,6 +3,7 @@
 #include <Tpetra_Operator.hpp>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
@@ -26,6 +27,14 @@ class JumpOperator final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
+  /// \brief Vectors that B was applied to, or B^T, and what this rank sent for it.
+  struct Traffic {
+    long vectors = 0;
+    CommunicationCounts sent;
+  };
+  const Traffic& forward() const { return forward_; }      ///< B: one Export
+  const Traffic& transposed() const { return transposed_; }  ///< B^T: one Import
+
   const MultiplierMap& multipliers() const { return *multipliers_; }
   int firstSubdomain() const { return firstSubdomain_; }  ///< global number of this rank's first one
   const std::vector<std::size_t>& primalOffsets() const { return primalOffsets_; }  ///< [local subdomains + 1]
@@ -38,6 +47,7 @@ class JumpOperator final : public Operator {
   std::vector<std::size_t> rowOffsets_;  // CSR over overlap rows
   std::vector<int> columns_;             // local primal index
   std::vector<double> values_;
+  mutable Traffic forward_, transposed_;
 };
 
 }  // namespace Haptos

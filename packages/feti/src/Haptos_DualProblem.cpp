@@ -38,7 +38,7 @@ RCP<Vector> recoverPrimal(const DualProblem& dual, const MultiVector& f, const V
   Vector rigid(s, Teuchos::Copy);  // G^T a = s - (B K^+ (f - B^T l) - c)
   rigid.update(1.0, c, 1.0);
   B.apply(*u, rigid, Teuchos::NO_TRANS, -1.0, 1.0);
-  dual.G->addRigidMotion(dual.GGT->solve(dual.G->applyG(rigid)), dual.F->systems(), *u);
+  dual.G->addRigidMotion(dual.GGT->solveSum(dual.G->partOfG(rigid)), dual.F->systems(), *u);
   return u;
 }
 

@@ -72,12 +72,18 @@ NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const Local
   GT_.setFromTriplets(triplets.begin(), triplets.end());
 }
 
-Eigen::MatrixXd NaturalCoarseSpace::applyG(const MultiVector& x) const {
-  Eigen::MatrixXd mine(GT_.cols(), Eigen::Index(x.getNumVectors())), sum(mine.rows(), mine.cols());
+Eigen::MatrixXd NaturalCoarseSpace::partOfG(const MultiVector& x) const {
+  Eigen::MatrixXd mine(GT_.cols(), Eigen::Index(x.getNumVectors()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const auto data = x.getData(v);
     mine.col(Eigen::Index(v)).noalias() = GT_.transpose() * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
   }
+  return mine;
+}
+
+Eigen::MatrixXd NaturalCoarseSpace::applyG(const MultiVector& x) const {
+  const Eigen::MatrixXd mine = partOfG(x);
+  Eigen::MatrixXd sum(mine.rows(), mine.cols());
   Teuchos::reduceAll(*coarseMap_->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), sum.data());
   return sum;
 }

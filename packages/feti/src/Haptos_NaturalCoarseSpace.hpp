@@ -24,6 +24,8 @@ class NaturalCoarseSpace final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
+  /// \brief This rank's part of G x [l x columns]; the sum over the ranks is G x.
+  Eigen::MatrixXd partOfG(const MultiVector& x) const;
   /// \brief G x [l x columns], the same on all ranks.  Collective.
   Eigen::MatrixXd applyG(const MultiVector& x) const;
   /// \brief y := alpha G^T a + beta y.

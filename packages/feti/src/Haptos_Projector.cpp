@@ -10,7 +10,7 @@ Projector::Projector(RCP<const NaturalCoarseSpace> G, RCP<const CoarseProblem> G
     : G_(std::move(G)), GGT_(std::move(GGT)), onto_(onto) {}
 
 void Projector::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  const Eigen::MatrixXd a = GGT_->solve(G_->applyG(x));
+  const Eigen::MatrixXd a = GGT_->solveSum(G_->partOfG(x));
   if (onto_ == Onto::ImageOfGT) {
     G_->applyGT(a, y, alpha, beta);  // y := alpha Q x + beta y
   } else {
@@ -30,11 +30,11 @@ void ProjectedDualOperator::apply(const MultiVector& x, MultiVector& y, Teuchos:
 }
 
 void ProjectedDualOperator::applyWithProjection(const MultiVector& x, MultiVector& Ax, MultiVector& Qx) const {
-  G_->applyGT(GGT_->solve(G_->applyG(x)), Qx);
+  G_->applyGT(GGT_->solveSum(G_->partOfG(x)), Qx);
   MultiVector Px(x, Teuchos::Copy);
   Px.update(-1.0, Qx, 1.0);
   F_->apply(Px, Ax);
-  G_->applyGT(GGT_->solve(G_->applyG(Ax)), Ax, -1.0, 1.0);
+  G_->applyGT(GGT_->solveSum(G_->partOfG(Ax)), Ax, -1.0, 1.0);
 }
 
 }  // namespace Haptos

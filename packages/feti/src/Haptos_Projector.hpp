@@ -9,7 +9,7 @@ namespace Haptos {
 
 /// \brief Q = G^T (G G^T)^-1 G, or P = I - Q: the orthogonal projectors on Im G^T and Ker G.
 ///
-/// apply is Collective: one reduction of l numbers and one replicated coarse solve.
+/// apply is Collective: one reduction of l numbers and one coarse solve.
 class Projector final : public Operator {
  public:
   enum class Onto { ImageOfGT /*Q*/, KernelOfG /*P*/ };

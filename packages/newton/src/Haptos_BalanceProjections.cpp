@@ -6,8 +6,6 @@
 namespace Haptos {
 namespace {
 
-Eigen::VectorXd solveOne(const CoarseProblem& problem, const Eigen::VectorXd& b) { return problem.solve(b); }
-
 // Scales rows of G^T: `keep` is 1 on gluing rows and 0 on contact rows.
 CoarseRows keepGluingRows(const CoarseRows& rows, const DualVectors& vectors) {
   Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
@@ -23,7 +21,7 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
     : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(*dual.GT, vectors)), coarseSize_(dual.GT->cols()) {
   const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, dual.motions);
   for (int pivot : floating.pivots) holds_.push_back(dual.holds[std::size_t(pivot)]);
-  EE_ = std::make_unique<CoarseProblem>(vectors.comm(), gluingRows_, std::vector<double>{}, holds_);
+  EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), gluingRows_, std::vector<double>{}, holds_);
   const Eigen::MatrixXd Z = dual.motions * floating.basis;
   Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
   if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
@@ -40,13 +38,12 @@ Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
 }
 
 void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
-  v -= gluingRows_ * solveOne(*EE_, applyG(v) - target);
+  const Eigen::VectorXd mine = dual_.GT->transpose() * v;
+  v -= gluingRows_ * Eigen::VectorXd(EE_->solveSum(mine, target));
 }
 
 void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
-  Eigen::VectorXd g = gluingRows_.transpose() * s;
-  vectors_.sum(g);
-  Eigen::VectorXd a = solveOne(*EE_, g);
+  Eigen::VectorXd a = EE_->solveSum(Eigen::VectorXd(gluingRows_.transpose() * s));
   a -= Zk_ * (Zk_.transpose() * a);
   s -= *dual_.GT * a;
 }
@@ -54,11 +51,10 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
 ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors,
                                                const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                                const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                                               const CoarseProblem::Holds& holds)
-    : vectors_(vectors), weights_(weights) {
+                                               const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous)
+    : weights_(weights) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
   std::vector<Eigen::Triplet<double>> triplets;
-  for (int row : vectors.gluingRows()) triplets.emplace_back(row, row, 1.0);
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (law.closed[i]) triplets.emplace_back(pairs[i].normal, pairs[i].normal, 1.0);
     if (!law.tangential[i]) continue;
@@ -69,22 +65,23 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
   }
   CoarseRows Y(dual.GT->rows(), dual.GT->rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
-  rows_ = Y * *dual.GT;
+  const CoarseRows contact = Y * *dual.GT, gluing = keepGluingRows(*dual.GT, vectors);
+  rows_ = gluing + contact;
+  const std::vector<double> q(weights.data(), weights.data() + weights.size());
+  gluing_ = previous ? previous->gluing_ : CoarseProblem::assemble(*dual.GGT->placement(), gluing, q);
   CoarseProblem::Holds weak = holds;
   for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
-  coarse_ = std::make_unique<CoarseProblem>(vectors.comm(), rows_, std::vector<double>(weights.data(), weights.data() + weights.size()), weak);
+  coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), contact, q, weak, gluing_);
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
-  Eigen::VectorXd g = rows_.transpose() * weights_.cwiseProduct(residual);
-  vectors_.sum(g);
-  residual -= rows_ * solveOne(*coarse_, g);
+  const Eigen::VectorXd mine = rows_.transpose() * weights_.cwiseProduct(residual);
+  residual -= rows_ * Eigen::VectorXd(coarse_->solveSum(mine));
 }
 
 void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const {
-  Eigen::VectorXd g = rows_.transpose() * z;
-  vectors_.sum(g);
-  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * solveOne(*coarse_, g)));
+  const Eigen::VectorXd mine = rows_.transpose() * z;
+  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * Eigen::VectorXd(coarse_->solveSum(mine))));
 }
 
 }  // namespace Haptos

@@ -51,18 +51,19 @@ class GluingBalance {
 /// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
 class ActiveCoarseProjection {
  public:
-  /// \param weights [rows] D, \param modes [pairs].  Collective.
+  /// \param weights [rows] D, \param modes [pairs]
+  /// \param previous one with the same weights, whose part from the gluing rows is taken over; may be null.  Collective.
   ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors, const std::vector<PairLaw>& pairs,
                          const LawLinearization& law, const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                         const CoarseProblem::Holds& holds);
+                         const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous = nullptr);
 
   void projectDual(Eigen::VectorXd& residual) const;  ///< Collective
   void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
 
  private:
-  const DualVectors& vectors_;
   const Eigen::VectorXd& weights_;
   CoarseRows rows_;
+  CoarseProblem::Blocks gluing_;  // the part of the matrix that the active set does not change
   std::unique_ptr<CoarseProblem> coarse_;
 };
 

@@ -33,12 +33,15 @@ Json modelBlock(const ModelReport& model) {
 
 Json solverBlock(const SolverReport& solver) {
   Json history = Json::array();
-  for (const auto& entry : solver.history)
+  for (const auto& entry : solver.history) {
     history.push_back({{"hessian_multiplications", entry.hessianMultiplications},
                        {"residual", entry.residual},
                        {"stick", entry.stick},
                        {"slip", entry.slip},
                        {"open", entry.open}});
+    if (isCommunicationCounted())
+      history.back().update({{"reductions", entry.sent.reductions}, {"bytes_sent", entry.sent.bytesSent()}});
+  }
   return {{"method", solver.method},
           {"status", solver.status},
           {"reason", solver.reason},
@@ -81,6 +84,53 @@ Json timeBlock(const PhaseTimes& times) {
   return block;
 }
 
+Json coarseBlock(const CoarseReport& coarse) {
+  return {{"unknowns", coarse.unknowns},
+          {"factors", coarse.factors},
+          {"blocks", coarse.blocks},
+          {"factor_entries", coarse.factorEntries},
+          {"set_ups", coarse.setUps},
+          {"set_up_seconds", coarse.setUpSeconds},
+          {"set_up_reductions", coarse.setUpReductions},
+          {"set_up_bytes", coarse.setUpBytes},
+          {"set_up_message_bytes", coarse.setUpMessageBytes},
+          {"solves", coarse.solves},
+          {"solve_seconds", coarse.solveSeconds},
+          {"solve_reductions", coarse.solveReductions},
+          {"solve_bytes", coarse.solveBytes}};
+}
+
+Json numbersOf(const CommunicationCounts& c) {
+  return {{"reductions", c.reductions}, {"other_collectives", c.collectives}, {"messages", c.messages},
+          {"message_bytes", c.messageBytes}, {"collective_bytes", c.collectiveBytes}, {"bytes_sent", c.bytesSent()}};
+}
+
+// An array over the ranks for every number.
+Json arraysOf(const std::vector<CommunicationCounts>& ofRank) {
+  Json block = Json::object();
+  for (const auto& counts : ofRank) {
+    const Json numbers = numbersOf(counts);
+    for (const auto& [name, value] : numbers.items()) block[name].push_back(value);
+  }
+  return block;
+}
+
+Json jumpBlock(long vectors, const std::vector<CommunicationCounts>& ofRank) {
+  const Json arrays = arraysOf(ofRank);
+  return {{"vectors", vectors}, {"messages", arrays["messages"]}, {"message_bytes", arrays["message_bytes"]}};
+}
+
+// Arrays over the ranks for the whole run; by phase the largest of the ranks.
+Json communicationBlock(const RunReport& report) {
+  Json block = arraysOf(report.communication.ofRank);
+  Json phases = Json::object();
+  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = numbersOf(report.communication.largestOfPhase[i]);
+  block["largest_of_phase"] = phases;
+  block["jump"] = jumpBlock(report.jump.forwardVectors, report.jump.forward);
+  block["jump_transposed"] = jumpBlock(report.jump.transposedVectors, report.jump.transposed);
+  return block;
+}
+
 }  // namespace
 
 std::string modelText(const ModelReport& model) {
@@ -96,13 +146,15 @@ std::string modelJson(const RunReport& report) {
 }
 
 std::string summaryJson(const RunReport& report) {
-  const Json summary = {{"haptos", headerJson(report)},
-                        {"model", modelBlock(report.model)},
-                        {"solver", solverBlock(report.solver)},
-                        {"accuracy", accuracyBlock(report)},
-                        {"contact", contactBlock(report)},
-                        {"time", timeBlock(report.times)},
-                        {"memory", {{"peak_rss_mb", report.peakMemoryMb}}}};
+  Json summary = {{"haptos", headerJson(report)},
+                  {"model", modelBlock(report.model)},
+                  {"solver", solverBlock(report.solver)},
+                  {"accuracy", accuracyBlock(report)},
+                  {"contact", contactBlock(report)},
+                  {"time", timeBlock(report.times)},
+                  {"memory", {{"peak_rss_mb", report.peakMemoryMb}}},
+                  {"coarse", coarseBlock(report.coarse)}};
+  if (report.communication.isCounted) summary["communication"] = communicationBlock(report);
   return summary.dump(2) + "\n";
 }
 

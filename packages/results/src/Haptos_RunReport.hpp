@@ -28,6 +28,7 @@ struct HistoryEntry {
   long hessianMultiplications;
   double residual;
   long stick, slip, open;
+  CommunicationCounts sent = communicationSoFar();  ///< by this rank, from the start of the program to this entry
 };
 
 /// \brief Pairs that the method keeps from step to step.
@@ -47,6 +48,24 @@ struct SolverReport {
   std::vector<HistoryEntry> history;
 };
 
+/// \brief The coarse matrices of a run: G G^T and those of the method.  Largest of the ranks; calls are those of rank 0.
+struct CoarseReport {
+  long unknowns = 0;            ///< of one matrix
+  int factors = 0;              ///< ranks that hold one
+  long setUps = 0, solves = 0;  ///< matrices made, right-hand sides
+  long blocks = 0;              ///< 6 x 6, lower triangle, of G G^T
+  long long factorEntries = 0;  ///< of the largest factor
+  double setUpSeconds = 0, solveSeconds = 0;
+  long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
+  long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;
+};
+
+/// \brief What B and B^T sent, the most part of the messages of an iteration.
+struct JumpReport {
+  long forwardVectors = 0, transposedVectors = 0;            ///< vectors multiplied by B, by B^T
+  std::vector<CommunicationCounts> forward, transposed;      ///< [ranks]
+};
+
 /// \brief Everything that the summary says.
 struct RunReport {
   std::string version;
@@ -59,6 +78,9 @@ struct RunReport {
   std::vector<InterfaceResult> interfaces;
   PhaseTimes times;
   std::vector<double> peakMemoryMb;
+  CoarseReport coarse;
+  JumpReport jump;
+  CommunicationReport communication;
 };
 
 std::string modelText(const ModelReport& model);    ///< for people, a few lines

@@ -114,9 +114,10 @@ void FetiSystem::assemble() {
 
 void FetiSystem::factor(LocalSolverMethod method) { systems_->factor(model_.subdomains, method); }
 
-void FetiSystem::formDual() {
+void FetiSystem::formDual(const CoarseOptions& coarse) {
   const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
-  const auto GGT = Teuchos::rcp(new CoarseProblem(*model_.comm, G_->rows(), {}, holds_));
+  const auto placement = std::make_shared<CoarsePlacement>(model_.comm, G_->dimension(), coarse);
+  const auto GGT = Teuchos::rcp(new CoarseProblem(placement, G_->rows(), {}, holds_));
   dual_ = makeDualProblem(F, G_, GGT, *f_, *c_);
 }
 

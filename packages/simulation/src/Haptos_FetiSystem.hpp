@@ -21,7 +21,7 @@ class FetiSystem {
   /// \throws InputError, InsufficientModel on all ranks
   void assemble();
   void factor(LocalSolverMethod method);
-  void formDual();
+  void formDual(const CoarseOptions& coarse = {});
   void makePreconditioner(PreconditionerKind kind, LocalSolverMethod method);
 
   const DistributedModel& model() const { return model_; }

@@ -53,6 +53,34 @@ std::vector<std::string> leftOut(const ModelData& data, long pairs) {
   return notes;
 }
 
+CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
+  const CoarseCosts& c = placement.costs();
+  const std::array<double, 7> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
+                                      c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks)};
+  std::array<double, 7> largest;
+  Teuchos::reduceAll(placement.comm(), Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
+  CoarseReport report;
+  report.unknowns = unknowns;
+  report.factors = placement.numHolders();
+  report.setUps = c.setUps;
+  report.solves = c.solves;
+  report.setUpReductions = c.setUpSent.reductions;
+  report.solveReductions = c.solveSent.reductions;
+  report.factorEntries = (long long)(largest[0]);
+  report.setUpBytes = (long long)(largest[1]);
+  report.solveBytes = (long long)(largest[2]);
+  report.setUpSeconds = largest[3];
+  report.solveSeconds = largest[4];
+  report.setUpMessageBytes = (long long)(largest[5]);
+  report.blocks = long(largest[6]);
+  return report;
+}
+
+JumpReport measureJump(const JumpOperator& B, const Communicator& comm) {
+  return {B.forward().vectors, B.transposed().vectors, gatherCommunication(comm, B.forward().sent),
+          gatherCommunication(comm, B.transposed().sent)};
+}
+
 // Known before the work starts, so said before it.
 void requireFittingMethod(const ParameterList& parameters, long pairs) {
   const auto method = parameters.sublist("Solver").get<std::string>("Method");
@@ -167,7 +195,8 @@ SimulationResult Simulation::solve() {
   }
   {
     const auto scope = clock_.time(Phase::Coarse);
-    system_->formDual();
+    const auto& coarse = parameters_.sublist("Coarse Problem");
+    system_->formDual({coarse.get<int>("Replicated Up To"), coarse.get<int>("Ranks Per Factor")});
   }
   const auto scope = clock_.time(Phase::Solve);
   const auto& list = parameters_.sublist("Solver");
@@ -209,6 +238,9 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   long mine = system_->systems().localSolves();
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
 
+  report_.coarse = measureCoarse(*system_->dual().GGT->placement(), system_->dual().G->dimension());
+  report_.jump = measureJump(system_->jump(), *comm_);
+
   SimulationResult result;
   result.solved = accuracy.errors.kkt() <= report_.tolerance;
   result.dual = solver.solution();
@@ -237,6 +269,7 @@ void Simulation::write(SimulationResult& result) {
       writer.close();
     });
   }
+  result.report.communication = clock_.communication(*comm_);
   result.report.times = clock_.slowest(*comm_);
   result.report.peakMemoryMb = gatherPeakMemoryMb(*comm_);
   runOnRoot(*comm_, [&] {

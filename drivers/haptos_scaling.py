@@ -1,0 +1,257 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Strong and weak scaling over ranks and subdomains: runs haptos by mpirun on the two-beams benchmark.
+
+    haptos_scaling.py [--study NAME]... [--haptos PROGRAM] [--mpirun COMMAND] [--folder FOLDER] [--draw] [--quick]
+    haptos_scaling.py --cell K P RANKS ...      one run (or several: repeat --cell), with the formulas beside the counters
+    haptos_scaling.py --redraw [--folder FOLDER]
+
+Studies (all without --study):
+  ranks-strong       one mesh on more and more ranks
+  ranks-weak         about 32 subdomains a rank
+  subdomains-strong  one mesh in more and more subdomains, one rank
+  subdomains-weak    more and more subdomains of the same size, one rank
+  formulas           1 to 16 ranks: messages, bytes and the coarse problem against the formulas of doc/scaling.md
+
+Prints a table and writes scaling.csv (and scaling_formulas.csv) to the folder; --draw adds scaling.svg (needs matplotlib).
+Ranks beyond the processors are marked with *: their seconds mean nothing; their counts, bytes and memory do.
+Exit status: 0, 1 for wrong input or a run that failed, 2 if a formula and its counter disagree.
+"""
+import argparse
+import csv
+import json
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import haptos_scaling_model as model
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+PHASES = ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover", "write", "total")
+COLUMNS = ("study", "k", "p", "ranks", "oversubscribed", "subdomains", "unknowns", "dual_unknowns", "method", "status",
+           "multiplications", "preconditioner_applications", "reductions", "reductions_per_multiplication",
+           "largest_reductions_of_a_step", "other_collectives", "messages", "mbytes_sent", "kbytes_sent_per_multiplication",
+           "kbytes_of_jumps_per_multiplication", "coarse_unknowns", "coarse_factors", "coarse_set_ups", "coarse_set_up_seconds",
+           "coarse_solve_seconds", "coarse_mbytes", "memory_mb", "bytes_per_unknown", *(f"{name}_seconds" for name in PHASES))
+FORMULA_COLUMNS = ("k", "p", "ranks", "quantity", "formula", "measured", "agrees")
+
+STUDIES = {  # (k, p, ranks)
+    "ranks-strong": [(4, 3, r) for r in (1, 2, 4, 8, 16)],
+    "ranks-weak": [(2, 3, 1), (3, 3, 3), (4, 3, 8), (5, 3, 16)],
+    "subdomains-strong": [(k, 12 // k, 1) for k in (1, 2, 3, 4, 6)],
+    "subdomains-weak": [(k, 4, 1) for k in (1, 2, 3, 4, 5, 6)],
+    "formulas": [(2, 2, r) for r in (1, 2, 3, 4)] + [(4, 2, r) for r in (1, 2, 4, 8, 16)],
+}
+QUICK = {"ranks-strong": [(1, 2, r) for r in (1, 2)], "ranks-weak": [(1, 2, 1), (2, 2, 3)],
+         "subdomains-strong": [(1, 4, 1), (2, 2, 1)], "subdomains-weak": [(1, 2, 1), (2, 2, 1)],
+         "formulas": [(1, 2, 2), (2, 2, 3)]}
+
+
+class Failure(Exception):
+    """One message for the user."""
+
+
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        raise Failure(f"{message}; see --help")
+
+
+def processors():
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class Runner:
+    """Runs cells (k, p, ranks), each once."""
+
+    def __init__(self, options):
+        self.options, self.known = options, {}
+
+    def run(self, k, p, ranks):
+        if (k, p, ranks) not in self.known:
+            self.known[k, p, ranks] = self.launch(k, p, ranks)
+        return self.known[k, p, ranks]
+
+    def launch(self, k, p, ranks):
+        with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
+            path = pathlib.Path(folder) / "summary.json"
+            command = [*shlex.split(self.options.mpirun), "-n", str(ranks), self.options.haptos, self.options.input,
+                       "--summary", str(path)]
+            settings = {"Mesh->Two Beams->Subdomains Per Edge": k, "Mesh->Two Beams->Elements Per Subdomain Edge": p,
+                        "Output->File": ""}
+            for name, value in settings.items():
+                command += ["--set", f"{name}={value}"]
+            for text in self.options.set:
+                command += ["--set", text]
+            environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1",
+                           "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+            try:
+                done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=self.options.time_limit)
+            except subprocess.TimeoutExpired:
+                raise Failure(f"k = {k}, p = {p} on {ranks} ranks: not done within {self.options.time_limit:g} s (--time-limit)")
+            if done.returncode not in (0, 2) or not path.exists():
+                told = [line for line in done.stderr.splitlines() if line.startswith("haptos: ")] or done.stderr.split("\n")
+                raise Failure(f"k = {k}, p = {p} on {ranks} ranks: exit status {done.returncode}: {told[0].strip()[:300]}")
+            return json.loads(path.read_text())
+
+    def base_memory(self, ranks):
+        """Megabytes of all ranks with next to nothing in them: program, libraries, MPI."""
+        return sum(self.run(1, 1, ranks)["memory"]["peak_rss_mb"])
+
+
+def largest_step(history):
+    """Most reductions between two entries of the history: those of one step of the method."""
+    counts = [entry["reductions"] for entry in history]
+    return max((b - a for a, b in zip(counts, counts[1:])), default=0)
+
+
+def row_of(study, cell, summary, base_memory):
+    k, p, ranks = cell
+    solver, coarse, time = summary["solver"], summary["coarse"], summary["time"]
+    sent, jump = summary["communication"], summary["communication"]
+    solve, memory = sent["largest_of_phase"]["solve"], sum(summary["memory"]["peak_rss_mb"])
+    multiplications = max(1, solver["hessian_multiplications"])
+    jumps = [a + b for a, b in zip(jump["jump"]["message_bytes"], jump["jump_transposed"]["message_bytes"])]
+    row = dict(study=study, k=k, p=p, ranks=ranks, oversubscribed=int(ranks > processors()),
+               subdomains=summary["model"]["subdomains"], unknowns=summary["model"]["primal_unknowns"],
+               dual_unknowns=summary["model"]["dual_unknowns"], method=solver["method"], status=solver["status"],
+               multiplications=solver["hessian_multiplications"],
+               preconditioner_applications=solver["preconditioner_applications"], reductions=solve["reductions"],
+               reductions_per_multiplication=f"{solve['reductions'] / multiplications:.1f}",
+               largest_reductions_of_a_step=largest_step(solver["history"]), other_collectives=solve["other_collectives"],
+               messages=solve["messages"], mbytes_sent=f"{solve['bytes_sent'] / 1e6:.4f}",
+               kbytes_sent_per_multiplication=f"{solve['bytes_sent'] / 1e3 / multiplications:.2f}",
+               kbytes_of_jumps_per_multiplication=f"{max(jumps) / 1e3 / multiplications:.2f}",
+               coarse_unknowns=coarse["unknowns"], coarse_factors=coarse["factors"], coarse_set_ups=coarse["set_ups"],
+               coarse_set_up_seconds=f"{coarse['set_up_seconds']:.4f}", coarse_solve_seconds=f"{coarse['solve_seconds']:.4f}",
+               coarse_mbytes=f"{(coarse['set_up_bytes'] + coarse['solve_bytes']) / 1e6:.4f}", memory_mb=f"{memory:.1f}",
+               bytes_per_unknown=f"{max(0.0, memory - base_memory) * 2**20 / summary['model']['primal_unknowns']:.0f}")
+    return {**row, **{f"{name}_seconds": f"{time[name]:.4f}" for name in PHASES}}
+
+
+HEADER = ("ranks  subd   p  unknowns   mult | decomp assemb factor coarse  solve  total [s] | reductions  /mult /step"
+          " messages  MB sent | MB memory  B/unknown")
+
+
+def line_of(row):
+    seconds = [float(row[f"{name}_seconds"]) for name in ("decompose", "assemble", "factor", "coarse", "solve", "total")]
+    mark = "*" if row["oversubscribed"] else " "
+    times = " ".join(f"{s:6.2f}" for s in seconds)
+    failed = "" if row["status"] == "converged" else f"  {row['status']}"
+    return (f"{row['ranks']:4d}{mark} {row['subdomains']:5d} {row['p']:3d} {row['unknowns']:9d}  {row['multiplications']:5d} | {times}"
+            f"     | {row['reductions']:10d} {float(row['reductions_per_multiplication']):6.1f} {row['largest_reductions_of_a_step']:5d}"
+            f" {row['messages']:8d} {float(row['mbytes_sent']):8.3f} | {float(row['memory_mb']):9.0f} {row['bytes_per_unknown']:>10s}{failed}")
+
+
+def write_csv(path, columns, rows):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)
+
+
+def measure(runner, studies):
+    rows = []
+    for study, cells in studies.items():
+        print(f"\n{study}\n{HEADER}", flush=True)
+        for cell in cells:
+            rows.append(row_of(study, cell, runner.run(*cell), runner.base_memory(cell[2])))
+            print(line_of(rows[-1]), flush=True)
+    if any(row["oversubscribed"] for row in rows):
+        print(f"\n* more ranks than the {processors()} processors: seconds mean nothing, counts, bytes and memory do")
+    return rows
+
+
+def compare_formulas(runner, cells):
+    print("\nformulas of doc/scaling.md against the counters\n   k   p ranks  quantity                               formula     measured")
+    rows = []
+    for k, p, ranks in cells:
+        for pair in model.compare(runner.run(k, p, ranks), k, p):
+            rows.append(dict(k=k, p=p, ranks=ranks, quantity=pair[0], formula=pair[1], measured=pair[2],
+                             agrees="yes" if model.agrees(pair) else "NO"))
+            print(f"{k:4d} {p:3d} {ranks:5d}  {pair[0]:34s} {pair[1]:11d}  {pair[2]:11d}  {rows[-1]['agrees']}", flush=True)
+    return rows
+
+
+def parse():
+    parser = Parser(prog="haptos_scaling", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--study", action="append", choices=tuple(STUDIES))
+    parser.add_argument("--cell", action="append", nargs=3, type=int, metavar=("K", "P", "RANKS"))
+    parser.add_argument("--haptos", default=str(ROOT / "build/release/bin/haptos"))
+    parser.add_argument("--input", default=str(ROOT / "inputs/table31.xml"), help="an input with Mesh->Two Beams")
+    parser.add_argument("--mpirun", default="mpirun --oversubscribe --bind-to none")
+    parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="passed on to haptos")
+    parser.add_argument("--folder", type=pathlib.Path)
+    parser.add_argument("--time-limit", type=float, default=900.0, metavar="SECONDS", help="of one run")
+    parser.add_argument("--quick", action="store_true", help="tiny meshes; asks for a --folder")
+    parser.add_argument("--draw", action="store_true")
+    parser.add_argument("--redraw", action="store_true", help="draws from the CSV that is there and runs nothing")
+    parser.add_argument("--png", action="store_true", help="also draws a PNG")
+    options = parser.parse_args()
+    check(options)
+    return options
+
+
+def check(options):
+    if (options.quick or options.cell) and options.folder is None:
+        raise Failure("--quick and --cell need a --folder, so that they do not replace the complete tables")
+    for k, p, ranks in options.cell or ():
+        if min(k, p, ranks) < 1:
+            raise Failure(f"--cell {k} {p} {ranks}: subdomains per edge, elements per subdomain edge and ranks must be at least 1")
+    if options.time_limit <= 0:
+        raise Failure(f"--time-limit {options.time_limit:g}: must be positive")
+    if not options.redraw:
+        if not shutil.which(options.haptos):
+            raise Failure(f"--haptos {options.haptos}: no such program; build it (./bootstrap.sh build) or name it")
+        if not options.mpirun.split() or not shutil.which(shlex.split(options.mpirun)[0]):
+            raise Failure(f"--mpirun {options.mpirun}: no such program")
+    options.folder = options.folder or ROOT / "doc" / "charts"
+    options.folder.mkdir(parents=True, exist_ok=True)
+
+
+def draw(options):
+    try:
+        import haptos_scaling_chart
+    except ImportError as error:
+        raise Failure(f"drawing needs the Python package {error.name}")
+    path = options.folder / "scaling.csv"
+    if not path.exists():
+        raise Failure(f"{path}: not there; run the studies first")
+    haptos_scaling_chart.draw(path, options.folder / "scaling", options.png)
+
+
+def run(options):
+    chosen = QUICK if options.quick else STUDIES
+    studies = {name: chosen[name] for name in options.study or STUDIES}
+    if options.cell:
+        studies = {"cells": [tuple(cell) for cell in options.cell]}
+    cells = studies.get("formulas") or studies.get("cells")
+    studies.pop("formulas", None)
+    runner = Runner(options)
+    if studies:
+        write_csv(options.folder / "scaling.csv", COLUMNS, measure(runner, studies))
+    compared = compare_formulas(runner, cells) if cells else []
+    if compared:
+        write_csv(options.folder / "scaling_formulas.csv", FORMULA_COLUMNS, compared)
+    if options.draw:
+        draw(options)
+    return 2 if any(row["agrees"] == "NO" for row in compared) else 0
+
+
+def main():
+    try:
+        options = parse()
+        if options.redraw:
+            draw(options)
+            return 0
+        return run(options)
+    except (Failure, OSError) as error:
+        print(f"haptos_scaling: {error}", file=sys.stderr)
+        return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

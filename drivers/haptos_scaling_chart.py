@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws what haptos_scaling.py measured (used by its --draw and --redraw)."""
+import csv
+
+import matplotlib
+matplotlib.use("Agg")
+import matplotlib.pyplot as plt
+from matplotlib.ticker import NullFormatter
+
+import haptos_scaling_model as model
+
+BLUE, ORANGE, BLACK, GREY = "#0072B2", "#D55E00", "#000000", "#808080"
+
+
+def rows_of(rows, study):
+    return [row for row in rows if row["study"] == study]
+
+
+def values(rows, key):
+    return [float(row[key]) for row in rows]
+
+
+def label(axes, x, y, text, colour, offset=(0, 8)):
+    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, fontsize=8, ha="center",
+                  annotation_clip=False)
+
+
+def ticks(axes, x):
+    axes.set_xscale("log")
+    places = sorted(set(x))
+    axes.set_xticks(places, [f"{place:g}" for place in places], fontsize=8)
+    axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def draw_seconds(axes, rows):
+    """Seconds of the solve over subdomains on one rank, and the part of them that goes into the coarse problem."""
+    for study, colour, text in (("subdomains-strong", ORANGE, "one mesh, 12 elements per edge"), ("subdomains-weak", BLUE, "4 elements per edge of a subdomain")):
+        own = [row for row in rows_of(rows, study) if row["oversubscribed"] == "0"]
+        if not own:
+            continue
+        x, y = values(own, "subdomains"), values(own, "solve_seconds")
+        coarse = [a + b for a, b in zip(values(own, "coarse_set_up_seconds"), values(own, "coarse_solve_seconds"))]
+        axes.plot(x, y, "o-", color=colour, markersize=4)
+        axes.plot(x, coarse, "o--", color=colour, markersize=3, linewidth=0.9)
+        label(axes, x[-1], y[-1], text, colour)
+    axes.set(yscale="log", xlabel="subdomains (one rank)", ylabel="solve [s]", title="Seconds; dashed: coarse problem")
+    ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
+
+
+def draw_multiplications(axes, rows):
+    for study, colour, text in (("subdomains-strong", ORANGE, "one mesh"), ("subdomains-weak", BLUE, "4 elements per edge")):
+        own = rows_of(rows, study)
+        if own:
+            x, y = values(own, "subdomains"), values(own, "multiplications")
+            axes.plot(x, y, "o-", color=colour, markersize=4)
+            label(axes, x[-1], y[-1], text, colour)
+    axes.set(ylim=(0, None), xlabel="subdomains (one rank)", ylabel="multiplications by F", title="Iterations")
+    ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
+
+
+def draw_bytes(axes, rows):
+    """Kilobytes of the rank that sends most, per multiplication by F: all, and those of B with the formula beside."""
+    for study, colour, text in (("ranks-strong", ORANGE, "one mesh"), ("ranks-weak", BLUE, "32 subdomains a rank")):
+        own = [row for row in rows_of(rows, study) if int(row["ranks"]) > 1]
+        if not own:
+            continue
+        x = values(own, "ranks")
+        axes.plot(x, values(own, "kbytes_sent_per_multiplication"), "o-", color=colour, markersize=4)
+        axes.plot(x, values(own, "kbytes_of_jumps_per_multiplication"), "s--", color=colour, markersize=4, linewidth=0.9)
+        expected = []
+        for row in own:
+            forward, transposed = model.jump_traffic(int(row["k"]), int(row["p"]), int(row["ranks"]))
+            per_pair = max(a[1] + b[1] for a, b in zip(forward, transposed))
+            expected.append(per_pair * (float(row["multiplications"]) + float(row["preconditioner_applications"])) /
+                            float(row["multiplications"]) / 1e3)
+        axes.plot(x, expected, "x", color=BLACK, markersize=8)
+        label(axes, x[-1], values(own, "kbytes_sent_per_multiplication")[-1], text, colour)
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="kB sent, largest rank", title="Bytes per multiplication; dashed: by B, cross: formula")
+    ticks(axes, [x for x in values(rows_of(rows, "ranks-strong"), "ranks") if x > 1])
+
+
+def draw_reductions(axes, rows):
+    for study, colour, text in (("ranks-strong", ORANGE, "one mesh"), ("ranks-weak", BLUE, "32 subdomains a rank")):
+        own = [row for row in rows_of(rows, study) if int(row["ranks"]) > 1]
+        if own:
+            axes.plot(values(own, "ranks"), values(own, "reductions_per_multiplication"), "o-", color=colour, markersize=4)
+            axes.plot(values(own, "ranks"), values(own, "largest_reductions_of_a_step"), "o--", color=colour, markersize=3, linewidth=0.9)
+            label(axes, float(own[-1]["ranks"]), float(own[-1]["reductions_per_multiplication"]), text, colour)
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="reductions", title="Reductions per multiplication; dashed: largest step")
+    ticks(axes, [x for x in values(rows_of(rows, "ranks-strong"), "ranks") if x > 1])
+
+
+def draw_memory(axes, rows):
+    for study, colour, text in (("ranks-strong", ORANGE, "one mesh, over ranks"), ("ranks-weak", BLUE, "32 subdomains a rank")):
+        own = rows_of(rows, study)
+        if own:
+            axes.plot(values(own, "ranks"), values(own, "bytes_per_unknown"), "o-", color=colour, markersize=4)
+            label(axes, float(own[-1]["ranks"]), float(own[-1]["bytes_per_unknown"]), text, colour)
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="bytes per unknown", title="Memory of all ranks, beyond the empty program")
+    ticks(axes, values(rows_of(rows, "ranks-strong"), "ranks"))
+
+
+def draw_coarse(axes, rows):
+    own = [row for row in rows_of(rows, "subdomains-weak")]
+    x = values(own, "subdomains")
+    axes.plot(x, [100 * (float(r["coarse_set_up_seconds"]) + float(r["coarse_solve_seconds"])) / float(r["solve_seconds"]) for r in own],
+              "o-", color=BLUE, markersize=4)
+    axes.set(ylim=(0, 100), xlabel="subdomains (one rank, 4 elements per edge)", ylabel="share of the solve [%]", title="Coarse problem")
+    ticks(axes, x)
+
+
+def draw(path, target, png):
+    """Reads scaling.csv at `path`, writes `target`.svg (and .png)."""
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    plt.rcParams.update({"font.size": 9, "axes.titlesize": 9, "axes.titlelocation": "left", "axes.spines.top": False,
+                         "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6,
+                         "axes.axisbelow": True, "xtick.minor.bottom": False, "svg.hashsalt": "haptos"})
+    figure, grid = plt.subplots(2, 3, figsize=(12, 6.4))
+    for axes, panel in zip(grid.flat, (draw_multiplications, draw_reductions, draw_bytes, draw_seconds, draw_coarse, draw_memory)):
+        panel(axes, rows)
+    over = sorted({int(row["ranks"]) for row in rows if row["oversubscribed"] == "1"})
+    if over:
+        figure.text(0.01, 0.005, "no seconds of runs with more ranks than processors (" + ", ".join(map(str, over)) + " ranks here) are drawn",
+                    color=GREY, fontsize=8)
+    figure.tight_layout(rect=(0, 0.02, 1, 1))
+    figure.savefig(f"{target}.svg", metadata={"Date": None})
+    if png:
+        figure.savefig(f"{target}.png", dpi=100)
+    plt.close(figure)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""What one iteration must send on the two-beams benchmark, derived from its lattice (doc/scaling.md); nothing is fitted.
+
+k subdomains and k p elements along the short edge, 2 k along the long one, two bodies: s = 4 k^3 subdomains.
+"""
+import itertools
+
+
+def subdomains(k):
+    return 4 * k**3
+
+
+def unknowns(k, p):
+    return 3 * subdomains(k) * (p + 1) ** 3
+
+
+def coarse_unknowns(k):
+    return 6 * subdomains(k)
+
+
+def coarse_blocks(k):
+    """6 x 6 blocks in the lower triangle of G G^T: pairs of bricks that share a node, or a node and its opposite."""
+    layer = (6 * k - 2) * (3 * k - 2)  # ordered pairs of neighbours in a layer of 2 k x k bricks, each with itself too
+    return layer * (3 * k - 2) + 2 * k**3 + layer
+
+
+def factor_entries_bound(k):
+    """Entries of the sparse factor: growth l^(4/3) of nested dissection in space; 30 is above what was measured."""
+    return 30 * coarse_unknowns(k) ** (4 / 3)
+
+
+def slab_bytes(k, p, touches_clamp=True):
+    """Bytes across one plane between layers of bricks, for B or for B^T, one vector, if ranks hold whole layers."""
+    return 8 * 3 * (2 * k * k * (p + 1) ** 2 + (k * p + 1 if touches_clamp else 0))
+
+
+def ranks_of_subdomains(k, ranks):
+    """Subdomains are dealt in their order: along the beam, then across, then upwards."""
+    count, weight = subdomains(k), 1.0
+    return [min(ranks - 1, int((s + 0.5) * weight / count * ranks)) for s in range(count)]
+
+
+class Lattice:
+    """Nodes of both beams as (body, x, y, z), their copies, and who owns their rows."""
+
+    def __init__(self, k, p, ranks):
+        self.k, self.p, self.n = k, p, k * p
+        self.rank_of = ranks_of_subdomains(k, ranks)
+
+    def nodes(self):
+        return itertools.product(range(2), range(2 * self.n + 1), range(self.n + 1), range(self.n + 1))
+
+    def copies(self, node):
+        """Subdomains that share a node, ascending."""
+        body, *position = node
+        k, p = self.k, self.p
+        bricks = [[b for b in {x // p, (x - 1) // p} if 0 <= b < size] for x, size in zip(position, (2 * k, k, k))]
+        return sorted(2 * k**3 * body + x + 2 * k * (y + k * z) for x, y, z in itertools.product(*bricks))
+
+    def opposite(self, node):
+        """The other node of a contact pair, or None."""
+        body, x, y, z = node
+        if z == (0 if body else self.n):
+            return (1 - body, x, y, self.n if body else 0)
+        return None
+
+    def rows(self, node):
+        """(number of rows, subdomains that they touch) of the node's constraints; pairs count at the lower node."""
+        copies = self.copies(node)
+        yield from ((3, copies[:j + 1]) for j in range(1, len(copies)))  # row j joins copy j to those before it
+        if node[1] == 0:
+            yield 3, copies  # clamped
+        other = self.opposite(node)
+        if other and node[0] == 0 and node[1] > 0:
+            yield 3, copies + self.copies(other)
+
+    def owner(self, node):
+        other = self.opposite(node)
+        return self.rank_of[min(self.copies(node) + (self.copies(other) if other else []))]
+
+
+def imports(k, p, ranks):
+    """{(owner, user): rows} that a rank needs and another owns."""
+    lattice, result = Lattice(k, p, ranks), {}
+    for node in lattice.nodes():
+        owner = lattice.owner(node)
+        for count, touched in lattice.rows(node):
+            for user in {lattice.rank_of[s] for s in touched} - {owner}:
+                result[owner, user] = result.get((owner, user), 0) + count
+    return result
+
+
+def jump_traffic(k, p, ranks):
+    """Per rank: (messages, bytes) sent for one vector by B (users to owners) and by B^T (owners to users)."""
+    forward, transposed = ([[0, 0] for _ in range(ranks)] for _ in range(2))
+    for (owner, user), rows in imports(k, p, ranks).items():
+        for traffic, sender in ((forward, user), (transposed, owner)):
+            traffic[sender][0] += 1
+            traffic[sender][1] += 8 * rows
+    return forward, transposed
+
+
+def compare(summary, k, p):
+    """[(quantity, formula, measured)] of one run; every pair must be equal, except bounds (names that end in '<=')."""
+    ranks, coarse = summary["haptos"]["ranks"], summary["coarse"]
+    rows = [("subdomains", subdomains(k), summary["model"]["subdomains"]),
+            ("unknowns", unknowns(k, p), summary["model"]["primal_unknowns"]),
+            ("coarse unknowns", coarse_unknowns(k), coarse["unknowns"]),
+            ("coarse blocks", coarse_blocks(k), coarse["blocks"]),
+            ("coarse factor entries <=", int(factor_entries_bound(k)), coarse["factor_entries"])]
+    if coarse["factors"] == ranks:
+        per_solve = 8 * coarse_unknowns(k) if ranks > 1 else 0
+        rows.append(("bytes of the coarse solves", per_solve * coarse["solve_reductions"], coarse["solve_bytes"]))
+    forward, transposed = jump_traffic(k, p, ranks)
+    for name, expected, block in (("B", forward, "jump"), ("B^T", transposed, "jump_transposed")):
+        measured = summary["communication"][block]
+        for index, key, text in ((0, "messages", "messages"), (1, "message_bytes", "bytes")):
+            totals = [measured["vectors"] * rank[index] for rank in expected]
+            rows.append((f"{text} of {name}, most of a rank", max(totals), max(measured[key])))
+            rows.append((f"{text} of {name}, all ranks", sum(totals), sum(measured[key])))
+            # The sums could agree by chance; rank by rank they cannot.
+            rows.append((f"ranks whose {text} of {name} agree", ranks, sum(a == b for a, b in zip(totals, measured[key]))))
+    return rows
+
+
+def agrees(row):
+    name, formula, measured = row
+    return measured <= formula if name.endswith("<=") else measured == formula

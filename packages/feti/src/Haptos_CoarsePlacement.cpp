@@ -1,0 +1,64 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_CoarsePlacement.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Exchange.hpp"
+
+namespace Haptos {
+namespace {
+
+// Ranks with the same number share a factor.
+int groupOf(const Communicator& comm, int ranksPerFactor) {
+  return ranksPerFactor > 0 ? comm.getRank() / ranksPerFactor : lowestRankOfNode(comm);
+}
+
+}  // namespace
+
+CoarsePlacement::CoarsePlacement(RCP<const Communicator> comm, Eigen::Index unknowns, const CoarseOptions& options)
+    : comm_(std::move(comm)), numHolders_(comm_->getSize()) {
+  if (unknowns <= options.replicatedUpTo || numHolders_ == 1 || options.ranksPerFactor == 1) return;
+  group_ = comm_->split(groupOf(*comm_, options.ranksPerFactor), comm_->getRank());
+  const int holder = group_->getRank() == 0;
+  holders_ = comm_->split(holder ? 0 : -1, comm_->getRank());  // a negative colour gives no communicator
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, holder, Teuchos::outArg(numHolders_));
+}
+
+Eigen::MatrixXd CoarsePlacement::sum(const Eigen::MatrixXd& mine) const {
+  if (comm_->getSize() == 1 || mine.size() == 0) return mine;
+  Eigen::MatrixXd total(mine.rows(), mine.cols());
+  const int size = int(mine.size());
+  if (isReplicated()) {
+    Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, size, mine.data(), total.data());
+    return total;
+  }
+  Teuchos::reduce(mine.data(), total.data(), size, Teuchos::REDUCE_SUM, 0, *group_);
+  if (!holds()) return {};
+  if (holders_->getSize() == 1) return total;
+  const Eigen::MatrixXd ofGroup = total;
+  Teuchos::reduceAll(*holders_, Teuchos::REDUCE_SUM, size, ofGroup.data(), total.data());
+  return total;
+}
+
+void CoarsePlacement::broadcast(Eigen::MatrixXd& x) const {
+  if (!isReplicated() && x.size() > 0) Teuchos::broadcast(*group_, 0, int(x.size()), x.data());
+}
+
+std::vector<Bytes> CoarsePlacement::gather(const Bytes& message) const {
+  if (isReplicated()) return gatherOnAll(*comm_, message);
+  ByteWriter ofGroup;
+  const auto messages = gatherOnRoot(*group_, message);
+  if (!holds()) return {};
+  ofGroup.write(messages.size());
+  for (const auto& part : messages) ofGroup.write(part);
+  std::vector<Bytes> all;
+  for (const auto& part : gatherOnAll(*holders_, ofGroup.take())) {
+    ByteReader reader(part);
+    const auto ranks = reader.read<std::size_t>();
+    for (std::size_t r = 0; r < ranks; ++r) all.push_back(reader.readVector<char>());
+  }
+  return all;
+}
+
+}  // namespace Haptos
