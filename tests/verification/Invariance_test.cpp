@@ -73,9 +73,9 @@ double deviation(const SimulationResult& first, const SimulationResult& other, c
 
 long count(const SimulationResult& result) { return result.report.solver.hessianMultiplications; }
 
-bool allStatesOccur(const SimulationResult& result) {
+bool statesOccur(const SimulationResult& result, bool brief) {
   const auto& contact = result.report.interfaces.at(0);
-  return contact.stick > 0 && contact.slip > 0 && contact.open > 0;
+  return (brief || contact.stick > 0) && contact.slip > 0 && contact.open > 0;  // "brief" leaves little that sticks
 }
 
 TEUCHOS_UNIT_TEST(Invariance, TurningTheSceneTurnsTheForces) {
@@ -85,7 +85,7 @@ TEUCHOS_UNIT_TEST(Invariance, TurningTheSceneTurnsTheForces) {
         Variant straight;
         straight.k = k, straight.p = p, straight.brief = brief, straight.tolerance = tolerance;
         const auto first = solve(straight);
-        TEST_ASSERT(first.solved && allStatesOccur(first));
+        TEST_ASSERT(first.solved && statesOccur(first, brief));
         for (const Rotation& Q : {tilted, axesSwapped}) {
           Variant turned = straight;
           turned.Q = Q;
@@ -95,7 +95,7 @@ TEUCHOS_UNIT_TEST(Invariance, TurningTheSceneTurnsTheForces) {
           out << "k " << k << ", p " << p << (brief ? ", brief" : ", squeeze") << ", tolerance " << tolerance << ": counts "
               << count(first) << ", " << count(other) << ", deviation " << error << "\n";
           TEST_COMPARE(std::abs(count(first) - count(other)), <=, 2);
-          TEST_COMPARE(error, <=, 10 * tolerance);
+          TEST_COMPARE(error, <=, 1e-3 * tolerance);  // nothing in the method knows the axes
         }
       }
 }
@@ -108,7 +108,7 @@ TEUCHOS_UNIT_TEST(Invariance, AxesSwappedTogetherWithCoefficients) {
     b.F = {a.F[1], a.F[0]};
     b.direction = {-std::sin(0.4), std::cos(0.4), 0};
     const auto first = solve(a), other = solve(b);
-    TEST_ASSERT(first.solved && other.solved && allStatesOccur(first));
+    TEST_ASSERT(first.solved && other.solved && statesOccur(first, brief));
     out << "counts " << count(first) << ", " << count(other) << ", deviation " << deviation(first, other, b) << "\n";
     TEST_COMPARE(std::abs(count(first) - count(other)), <=, 2);
     TEST_COMPARE(deviation(first, other, b), <=, 1e-5);
@@ -125,7 +125,7 @@ TEUCHOS_UNIT_TEST(Invariance, DirectionIsNothingWhereTheCoefficientsAreEqual) {
     a.F = {0.3, 0.3};
     a.direction = {1, 0, 0};
     const auto first = solve(a);
-    TEST_ASSERT(first.solved && allStatesOccur(first));
+    TEST_ASSERT(first.solved && statesOccur(first, brief));
     for (const Array3& direction : {Array3{0, 1, 0}, Array3{0.6, -0.8, 0}, Array3{0.2, 0.3, 0.7}}) {
       Variant b = a;
       b.direction = direction;
