@@ -84,6 +84,49 @@ class Solved(SceneTest):
 
 
 class NotConverged(SceneTest):
+    def assert_reason(self, summary):
+        """The measure that is worst, its value, and where it is."""
+        accuracy, reason = summary["accuracy"], summary["solver"]["reason"]
+        worst = max((key for key in accuracy if key not in ("kkt", "tolerance", "round_off_floor")), key=accuracy.get)
+        self.assertIn(f"largest error: {worst} = {accuracy['kkt']:.2e} ", reason)
+        place = {"equilibrium": r" in body '(lower|upper)'", "continuity": r" at node \d+"}
+        self.assertRegex(reason, place.get(worst, r" at node \d+ of interface 'joint'"))
+
+    def test_round_off_floor(self):
+        """Both bodies are moved far away together: strains are differences of large numbers."""
+        for distance in (1e4, 1e6):
+            for method in ("Automatic", "SMALSE"):
+                with self.subTest(distance=distance, method=method):
+                    scene = stack(Solver={"Method": method, "Relative Tolerance": 1e-10})
+                    for name in ("floor", "side"):
+                        scene["Boundary Conditions"][name]["Value"] = [distance, 0.0, 0.0]
+                    outcome = self.run_scene(scene)
+                    self.assertEqual(outcome.status, 2, outcome)
+                    summary = self.summary()
+                    accuracy, reason = summary["accuracy"], summary["solver"]["reason"]
+                    self.assert_reason(summary)
+                    self.assertIn(f"round-off forbids less than about {accuracy['round_off_floor']:.1e}", reason)
+                    self.assertIn("raise Solver->Relative Tolerance", reason)
+                    self.assertGreater(accuracy["round_off_floor"], 1e-10)
+                    self.assertLessEqual(accuracy["kkt"], 10 * accuracy["round_off_floor"])
+
+    def test_tight_tolerance_above_the_floor(self):
+        """Stiffness contrast alone does not raise the floor: 1e-10 is reached at 1e-6 and 1e6."""
+        for contrast in (1e-6, 1e6):
+            scene = stack(Solver={"Relative Tolerance": 1e-10})
+            scene["Materials"] = {"soft": haptos_runs.material(["lower"]), "hard": haptos_runs.material(["upper"])}
+            scene["Materials"]["hard"]["Young's Modulus"] = 1000.0 * contrast
+            outcome = self.run_scene(scene)
+            self.assertEqual(outcome.status, 0, outcome)
+            self.assertLessEqual(self.summary()["accuracy"]["kkt"], 1e-10)
+
+    def test_friction_is_named(self):
+        scene = stack(Solver={"Method": "Subspace Newton", "Maximum Hessian Multiplications": 8})
+        scene["Contact"]["joint"]["Friction"]["Coefficients"] = [0.3, 0.0003]
+        self.assertEqual(self.run_scene(scene).status, 2)
+        reason = self.summary()["solver"]["reason"]
+        self.assertIn("coefficients of friction of 'joint' differ by a factor of 1000", reason)
+
     def test_too_few_multiplications(self):
         for ranks in RANKS:
             with self.subTest(ranks=ranks):
@@ -95,6 +138,8 @@ class NotConverged(SceneTest):
                 summary = self.summary()
                 self.assertEqual(summary["solver"]["status"], "not converged")
                 self.assertIn("hessian multiplications", summary["solver"]["reason"].lower())
+                self.assert_reason(summary)
+                self.assertIn("raise Solver->Maximum Hessian Multiplications (5)", summary["solver"]["reason"])
                 self.assertGreater(summary["accuracy"]["kkt"], 1e-6)
                 self.assertGreater((self.folder / "result.exo").stat().st_size, 0)
                 self.assertIn(b"displacement_x", (self.folder / "result.exo").read_bytes())

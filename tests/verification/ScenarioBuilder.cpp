@@ -25,6 +25,11 @@ ScenarioBuilder::ScenarioBuilder(const TwoBeamsSpec& beams) : source_{makeTwoBea
       .set("Elements Per Subdomain Edge", beams.elementsPerSubdomainEdge);
 }
 
+ScenarioBuilder& ScenarioBuilder::moveNodes(const std::function<Array3(const Array3&)>& map) {
+  for (auto& x : source_.mesh.coordinates) x = map(x);
+  return *this;
+}
+
 ScenarioBuilder& ScenarioBuilder::material(const std::string& block, double youngsModulus, double poissonsRatio) {
   parameters_.sublist("Materials")
       .sublist(block)

@@ -2,6 +2,7 @@
 #pragma once
 #include <Teuchos_ParameterList.hpp>
 #include <array>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,6 +31,8 @@ class ScenarioBuilder {
   /// \brief The generated benchmark, which alone may be cut into bricks.
   explicit ScenarioBuilder(const TwoBeamsSpec& beams);
 
+  /// \brief Moves every node of the mesh; bricks stay.
+  ScenarioBuilder& moveNodes(const std::function<Array3(const Array3&)>& map);
   ScenarioBuilder& material(const std::string& block, double youngsModulus, double poissonsRatio);
   /// \brief Prescribes `components` of the displacement on node sets or side sets.
   ScenarioBuilder& displacement(const Names& sets, const std::string& components, const Array3& value);

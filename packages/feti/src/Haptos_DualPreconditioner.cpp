@@ -101,6 +101,7 @@ RCP<Vector> DualPreconditioner::diagonal() const {
     const auto& K = (*systems_)[members.front()].K;
     Eigen::VectorXd d = boundaryDiagonal(K, boundary_[c]);
     if (!schur_.empty()) d = d.size() <= 600 ? schur_[c]->diagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
+    for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
     for (int member : members)
       for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary_[c][i]] = d[i];
   }

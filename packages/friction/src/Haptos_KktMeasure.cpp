@@ -97,7 +97,7 @@ WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers,
   WorstPair mine, result;
   forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
     const double error = largestOf(measurePair(law.pairs()[i], l, jump, scales.uRef, lRef));
-    if (error > mine.error) mine = {error, multipliers.pairs()[i].geometry.secondaryNode};
+    if (error > mine.error) mine = {error, multipliers.pairs()[i].geometry.secondaryNode, multipliers.pairs()[i].interface};
   });
   const auto& comm = *lambda.getMap()->getComm();
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.error, Teuchos::outArg(result.error));
@@ -105,6 +105,8 @@ WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers,
   long long node = -1;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(node));
   result.node = node;
+  const int candidateInterface = candidate == node && node >= 0 ? mine.interface : -1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidateInterface, Teuchos::outArg(result.interface));
   return result;
 }
 

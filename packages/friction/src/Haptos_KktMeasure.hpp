@@ -34,10 +34,11 @@ double contactForceScale(const ContactLaw& law, const Vector& lambda, double loa
 /// \brief The five contact errors from lambda [force] and s = B u - c [length]; the others stay 0.  Collective.
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, const KktScales& scales);
 
-/// \brief The pair with the largest contact error: its error and the mesh node of its secondary side.  Collective.
+/// \brief The pair with the largest contact error: its error, interface and mesh node of its secondary side.  Collective.
 struct WorstPair {
   double error = 0;
-  std::int64_t node = -1;
+  std::int64_t node = -1;  ///< mesh index
+  int interface = -1;      ///< position in the list of interfaces
 };
 WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
                         const KktScales& scales);

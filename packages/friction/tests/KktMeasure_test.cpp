@@ -88,6 +88,7 @@ TEUCHOS_UNIT_TEST(KktMeasure, EqualsThePlainDefinitions) {
         const WorstPair worst = findWorstPair(law, *dealt.multipliers, *scattered(map, lambda), *scattered(map, s), scales);
         TEST_EQUALITY(worst.error, contact);
         TEST_ASSERT(worst.node >= 0);
+        TEST_EQUALITY(worst.interface, 0);
       }
   }
   TEST_ASSERT(seen.penetration > 0 && seen.compression > 0 && seen.complementarity > 0 && seen.cone > 0);

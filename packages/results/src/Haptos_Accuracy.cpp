@@ -4,10 +4,11 @@
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 
 #include "Haptos_StiffnessAssembler.hpp"
 
@@ -16,48 +17,58 @@ namespace {
 
 double ratio(double a, double b) { return a == 0 ? 0 : a / b; }
 
-// Largest difference of copies and largest displacement, found on rank 0 and sent to all.
+// Largest difference of copies, where it is, and largest displacement, found on rank 0 and sent to all.
 struct Continuity {
   double difference = 0, largest = 0;
+  std::int64_t node = -1;
+
+  void see(double value, std::int64_t at) {
+    if (value <= difference) return;
+    difference = value;
+    node = at;
+  }
 };
 
 Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
   const auto copies = model.gather.copies(u);
-  std::array<double, 2> result{0, 0};
-  for (std::size_t i = 0; i < copies.mean.size(); ++i) result[0] = std::max(result[0], copies.highest[i] - copies.lowest[i]);
+  Continuity result;
+  for (std::size_t i = 0; i < copies.mean.size(); ++i) result.see(copies.highest[i] - copies.lowest[i], std::int64_t(i / 3));
   for (std::size_t i = 0; i < copies.mean.size(); i += 3)
-    result[1] = std::max(result[1], std::hypot(copies.mean[i], copies.mean[i + 1], copies.mean[i + 2]));
+    result.largest = std::max(result.largest, std::hypot(copies.mean[i], copies.mean[i + 1], copies.mean[i + 2]));
   if (!copies.mean.empty())
     for (const auto& p : model.prescribed) {
       const std::size_t at = 3 * std::size_t(p.node) + p.component;
-      result[0] = std::max({result[0], std::abs(copies.highest[at] - p.value), std::abs(copies.lowest[at] - p.value)});
+      result.see(std::max(std::abs(copies.highest[at] - p.value), std::abs(copies.lowest[at] - p.value)), p.node);
     }
-  Teuchos::broadcast(*u.getMap()->getComm(), 0, 2, result.data());
-  return {result[0], result[1]};
+  double values[3] = {result.difference, result.largest, double(result.node)};
+  Teuchos::broadcast(*u.getMap()->getComm(), 0, 3, values);
+  return {values[0], values[1], std::int64_t(values[2])};
 }
 
-// Squared norms of f - K u - B^T lambda and of |K| |u|, over all ranks.
-std::array<double, 2> measureResidual(const AccuracyInput& model, const LocalSystems& systems, const Vector& u,
-                                      const Vector& lambda) {
+int numBodies(const AccuracyInput& model, const Communicator& comm) {
+  int mine = 0, all = 0;
+  for (const auto& sub : model.subdomains) mine = std::max(mine, sub.body + 1);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(all));
+  return all;
+}
+
+// Squared norm of f - K u - B^T lambda for every body.
+std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
   Vector residual(model.f, Teuchos::Copy);
   model.jump.apply(lambda, residual, Teuchos::TRANS, -1.0, 1.0);
+  const auto& comm = *u.getMap()->getComm();
   const auto r = residual.getData(0), x = u.getData(0);
-  std::array<double, 2> mine{0, 0}, all;
+  std::vector<double> mine(std::size_t(numBodies(model, comm)), 0.0), all(mine);
   for (std::size_t i = 0; i < model.subdomains.size(); ++i) {
+    const auto& sub = model.subdomains[i];
     const auto offset = model.jump.primalOffsets()[i];
-    const Eigen::Index n = model.subdomains[i].numDofs();
+    const Eigen::Index n = sub.numDofs();
     const Eigen::Map<const Eigen::VectorXd> ui(x.getRawPtr() + offset, n), ri(r.getRawPtr() + offset, n);
     Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
-    applyStiffness(model.subdomains[i].coordinates, model.subdomains[i].groups, model.materials, model.formulation, ui, Ku);
-    mine[0] += (ri - Ku).squaredNorm();
-    const auto& K = systems[int(i)].K;
-    for (Eigen::Index column = 0; column < n; ++column) {  // K is symmetric: rows are columns
-      double sum = 0;
-      for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it) sum += std::abs(it.value() * ui[it.row()]);
-      mine[1] += sum * sum;
-    }
+    applyStiffness(sub.coordinates, sub.groups, model.materials, model.formulation, ui, Ku);
+    mine[std::size_t(sub.body)] += (ri - Ku).squaredNorm();
   }
-  Teuchos::reduceAll(*u.getMap()->getComm(), Teuchos::REDUCE_SUM, 2, mine.data(), all.data());
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
   return all;
 }
 
@@ -91,10 +102,26 @@ LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lamb
   return {std::sqrt(all[0]), std::sqrt(all[1])};
 }
 
+double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext) {
+  const auto x = u.getData(0);
+  double mine = 0, all = 0;
+  for (int i = 0; i < systems.size(); ++i) {
+    const auto& K = systems[i].K;
+    for (Eigen::Index column = 0; column < K.cols(); ++column) {  // K is symmetric: rows are columns
+      double sum = 0;
+      for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it)
+        sum += std::abs(it.value() * x[Eigen::Index(offsets[std::size_t(i)]) + it.row()]);
+      mine += sum * sum;
+    }
+  }
+  Teuchos::reduceAll(*u.getMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  return std::numeric_limits<double>::epsilon() * ratio(std::sqrt(all), ext);
+}
+
 Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda) {
   const Continuity continuity = measureContinuity(model, u);
   const LoadScales reactions = measureReactions(model.jump.multipliers(), lambda);
-  const auto residual = measureResidual(model, systems, u, lambda);
+  const auto residual = measureResidual(model, u, lambda);
   Vector s(model.c, Teuchos::Copy);
   model.jump.apply(u, s, Teuchos::NO_TRANS, 1.0, -1.0);  // s = B u - c
 
@@ -102,9 +129,11 @@ Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems
   result.scales = {continuity.largest, std::max(model.loads.largest, reactions.largest)};
   result.ext = std::max(model.loads.norm, reactions.norm);
   result.errors = measureContact(model.law, lambda, s, result.scales);
-  result.errors.equilibrium = ratio(std::sqrt(residual[0]), result.ext);
+  result.errors.equilibrium = ratio(std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0)), result.ext);
   result.errors.continuity = ratio(continuity.difference, continuity.largest);
-  result.floor = std::numeric_limits<double>::epsilon() * ratio(std::sqrt(residual[1]), result.ext);
+  result.floor = roundOffFloor(systems, model.jump.primalOffsets(), u, result.ext);
+  if (!residual.empty()) result.residualBody = int(std::max_element(residual.begin(), residual.end()) - residual.begin());
+  result.differenceNode = continuity.node;
   return result;
 }
 

@@ -24,6 +24,8 @@ struct Accuracy {
   KktScales scales;
   double ext = 0;    ///< max(|| loads ||, || reactions ||) [force]
   double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext
+  int residualBody = -1;              ///< the body with the largest part of the residual
+  std::int64_t differenceNode = -1;   ///< mesh node with the largest difference of copies, or to a prescribed value
 };
 
 /// \brief What the check needs of the model; references are kept.
@@ -39,6 +41,10 @@ struct AccuracyInput {
   const NodalGather& gather;
   LoadScales loads;
 };
+
+/// \brief eps || |K| |u| || / ext: no smaller equilibrium can be expected.  Collective.
+/// \param offsets [local subdomains + 1] in the primal map
+double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext);
 
 /// Collective.
 Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda);

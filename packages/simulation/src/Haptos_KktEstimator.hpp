@@ -13,8 +13,12 @@ class KktEstimator {
  public:
   KktEstimator(const FetiSystem& system, const LoadScales& loads) : system_(system), loads_(loads) {}
 
-  /// \brief Collective.  \param tolerance below it the displacement scale is renewed.
-  KktErrors estimate(const Vector& lambda, const Vector& s, double tolerance);
+  /// \brief kkt, or `tolerance` where kkt is within what round-off hides (a tenth of the floor).  Collective.
+  ///
+  /// Below the larger of both the displacement scale and the floor are renewed first.
+  double estimate(const Vector& lambda, const Vector& s, double tolerance);
+
+  double kkt() const { return kkt_; }  ///< at the last estimate, floor or not
 
  private:
   KktErrors measure(const Vector& lambda, const Vector& s) const;
@@ -22,7 +26,7 @@ class KktEstimator {
 
   const FetiSystem& system_;
   const LoadScales& loads_;
-  double uRef_ = -1;
+  double uRef_ = -1, floor_ = 0, kkt_ = 0;
 };
 
 }  // namespace Haptos

@@ -8,6 +8,7 @@
 
 #include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_CommandLine.hpp"
+#include "Haptos_Diagnosis.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_PcpgSolver.hpp"
 #include "Haptos_SmalseContactSolver.hpp"
@@ -202,30 +203,24 @@ SimulationResult Simulation::solve() {
   const double tolerance = report_.tolerance;
   const long maximum = list.get<int>("Maximum Hessian Multiplications");
   const auto solver = makeSolver();
-  std::string reason;
+  bool passed = false;
   Accuracy accuracy;
   RCP<Vector> u;
   double request = tolerance;
   for (int attempt = 0; attempt < 12; ++attempt) {
-    const bool passed = solver->solve({request, maximum});
+    passed = solver->solve({request, maximum});
     {
       const auto recover = clock_.time(Phase::Recover);
       accuracy = checkSolution(solver->solution(), u);
     }
     const double kkt = accuracy.errors.kkt();
-    reason = passed ? "" : solver->reason();
     if (kkt <= tolerance || !passed) break;
-    reason = "the method's own test passed, but kkt did not reach the tolerance";
     if (accuracy.floor > tolerance) break;
     request *= std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
-  const double kkt = accuracy.errors.kkt();
-  if (kkt > tolerance) {
-    if (accuracy.floor > 0.1 * kkt) reason += "; round-off forbids less than about " + formatted("%.1e", accuracy.floor);
-    reason += "; largest error: " + accuracy.errors.worst() + " = " + formatted("%.2e", kkt);
-  }
-  report_.solver.status = kkt <= tolerance ? "converged" : "not converged";
-  report_.solver.reason = reason;
+  const bool solved = accuracy.errors.kkt() <= tolerance;
+  report_.solver.status = solved ? "converged" : "not converged";
+  report_.solver.reason = solved ? "" : explainUnconverged({*system_, accuracy, *solver, *u, passed, parameters_});
   return collect(*solver, accuracy, *u);
 }
 

@@ -103,7 +103,7 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::P
   impl_->manager.setParameters(managerParameters(parameters, impl_->manager));
   impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
   impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });
-  impl_->manager.setObserver([this](const SmalseRecord& r) { record(r.residual); });
+  impl_->manager.setObserver([this](const SmalseRecord&) { record(impl_->estimator.kkt()); });
 }
 
 SmalseContactSolver::~SmalseContactSolver() = default;
@@ -129,7 +129,7 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
 double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {
   Vector s(*gradient.getVector(0), Teuchos::Copy);
   s.scale(-1.0);
-  return impl_->estimator.estimate(*x.getVector(0), s, impl_->tolerance).kkt();
+  return impl_->estimator.estimate(*x.getVector(0), s, impl_->tolerance);
 }
 
 void SmalseContactSolver::record(double residual) {

@@ -55,8 +55,8 @@ struct SubspaceNewtonSolver::Impl {
     list->set("Maximum Pairs", maximumPairs);
     manager.setParameters(list);
     manager.setProblem(problem);
-    manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance).kkt(); });
-    manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.residual, l); });
+    manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance); });
+    manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.isFinalLevel ? estimator.kkt() : record.residual, l); });
   }
 
   void keep(double residual, const Vector& l) {

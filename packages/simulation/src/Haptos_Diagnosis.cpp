@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Diagnosis.hpp"
+
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cstdio>
+
+namespace Haptos {
+namespace {
+
+std::string formatted(const char* format, double value) {
+  char text[64];
+  std::snprintf(text, sizeof text, format, value);
+  return text;
+}
+
+bool isRoundOff(const Accuracy& accuracy) { return accuracy.floor > 0.1 * accuracy.errors.kkt(); }
+
+// Where the largest error is: a node of an interface, a node, or a body.
+std::string place(const UnconvergedRun& run, const std::string& measure) {
+  const FetiSystem& system = run.system;
+  const ModelData& data = system.model().data;
+  if (measure == "equilibrium")
+    return run.accuracy.residualBody < 0 ? "" : " in body '" + data.bodyNames[std::size_t(run.accuracy.residualBody)] + "'";
+  if (measure == "continuity") return " at node " + std::to_string(run.accuracy.differenceNode + 1);
+  Vector s(system.c(), Teuchos::Copy);
+  system.jump().apply(run.u, s, Teuchos::NO_TRANS, 1.0, -1.0);
+  const auto worst = findWorstPair(system.law(), system.jump().multipliers(), *run.solver.solution().lambda, s, run.accuracy.scales);
+  if (worst.interface < 0) return "";
+  return " at node " + std::to_string(worst.node + 1) + " of interface '" + data.interfaceNames[std::size_t(worst.interface)] + "'";
+}
+
+// What about the friction of an interface makes it hard; empty for the usual.
+std::string hardFriction(const ModelData& data) {
+  constexpr double kHardRatio = 100;
+  std::string text;
+  for (std::size_t i = 0; i < data.friction.size(); ++i) {
+    const auto [low, high] = std::minmax(data.friction[i].coefficients[0], data.friction[i].coefficients[1]);
+    if (low > 0 && high > kHardRatio * low)
+      text += "; the coefficients of friction of '" + data.interfaceNames[i] + "' differ by a factor of " +
+              formatted("%.0f", high / low) + ": a smaller ratio, or 0 for the small one, is easier";
+    else if (high > 1 && data.friction[i].law == FrictionLaw::Coulomb)
+      text += "; a coefficient of friction of '" + data.interfaceNames[i] + "' is " + formatted("%g", high) +
+              ": above 1 there may be no or several solutions";
+  }
+  return text;
+}
+
+std::string advice(const UnconvergedRun& run) {
+  const auto& solver = run.parameters.sublist("Solver");
+  if (isRoundOff(run.accuracy))
+    return "; round-off forbids less than about " + formatted("%.1e", run.accuracy.floor) +
+           ": raise Solver->Relative Tolerance above it; large rigid motions prescribed to all bodies alike make it worse";
+  std::string text;
+  const int maximum = solver.get<int>("Maximum Hessian Multiplications");
+  if (run.system.dual().F->applications() >= maximum)
+    text += "; raise Solver->Maximum Hessian Multiplications (" + std::to_string(maximum) + ")";
+  if (run.solver.subspace().compressions > 0)
+    text += "; raise Solver->Maximum Recycled Pairs (" + std::to_string(solver.get<int>("Maximum Recycled Pairs")) + ")";
+  const auto type = run.parameters.sublist("Preconditioner").get<std::string>("Type");
+  if (type != "Dirichlet" && solver.get<std::string>("Method") != "SMALSE") text += "; set Preconditioner->Type to Dirichlet";
+  text += hardFriction(run.system.model().data);
+  if (text.empty() && solver.get<std::string>("Method") != "Automatic") text += "; set Solver->Method to Automatic";
+  if (text.empty()) text += "; a finer mesh at the edge of contact or a looser Solver->Relative Tolerance may help";
+  return text;
+}
+
+}  // namespace
+
+std::string explainUnconverged(const UnconvergedRun& run) {
+  const std::string measure = run.accuracy.errors.worst();
+  return (run.passed ? "the method's own test passed, but kkt did not reach the tolerance" : run.solver.reason()) +
+         "; largest error: " + measure + " = " + formatted("%.2e", run.accuracy.errors.kkt()) + place(run, measure) + advice(run);
+}
+
+}  // namespace Haptos
