@@ -42,15 +42,26 @@ double NewtonDirection::tangentialStiffness(const PairLaw& pair) const {
   return 0.5 * (stiffness_[pair.tangential[0]] + stiffness_[pair.tangential[1]]);
 }
 
+// The projection may stand on a law a little older: what it leaves is balanced by the law of the day.
+bool NewtonDirection::coarseIsStale(const LawLinearization& law) const {
+  constexpr double kChange = 0.1;  // of P', whose eigenvalues lie in [0, 1]
+  if (!coarse_ || preparedFor_.size() != law.dP.size()) return true;
+  double squares = 0;
+  for (std::size_t i = 0; i < law.dP.size(); ++i) {
+    if (law.closed[i] != preparedClosed_[i]) return true;
+    squares = std::max(squares, (law.dP[i] - preparedFor_[i]).squaredNorm());
+  }
+  return squares > kChange * kChange;
+}
+
 void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
-  double changed = isPrepared_ && preparedFor_ == law.dP ? 0.0 : 1.0;
-  if (vectors_.sum(changed) == 0.0) return;  // all ranks or none: building it communicates
-  preparedFor_ = law.dP;
-  isPrepared_ = true;
   modes_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
   preconditioner_.prepare(pairs, law, modes_);
+  if (vectors_.sum(coarseIsStale(law) ? 1.0 : 0.0) == 0.0) return;  // all ranks or none: building it communicates
+  preparedFor_ = law.dP;
+  preparedClosed_ = law.closed;
   auto coarse = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
   coarse_ = std::move(coarse);
 }

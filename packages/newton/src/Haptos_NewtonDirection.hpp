@@ -31,6 +31,7 @@ class NewtonDirection {
   double medianNormalStiffness() const { return medianStiffness_; }
 
  private:
+  bool coarseIsStale(const LawLinearization& law) const;
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law);
   Eigen::VectorXd residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const;
   Eigen::VectorXd followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
@@ -46,7 +47,7 @@ class NewtonDirection {
   Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
   double medianStiffness_ = 0;
   std::vector<Eigen::Matrix3d> preparedFor_;
-  bool isPrepared_ = false;
+  std::vector<char> preparedClosed_;
   std::vector<TangentialModes> modes_;
   std::unique_ptr<ActiveCoarseProjection> coarse_;
   CompliantPreconditioner preconditioner_;
