@@ -2,8 +2,10 @@
 #include "Haptos_DualGraph.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
+#include <tuple>
 
 #include "Haptos_Error.hpp"
 
@@ -13,7 +15,18 @@ namespace {
 struct Face {
   std::array<std::int64_t, 4> nodes;  // sorted; -1 first on triangles
   std::int64_t element;
+  double area;
 };
+
+// Area of a plane triangle or quadrilateral; of a warped one, that of its projection along its mean normal.
+double sideArea(const Mesh& mesh, const std::int64_t* element, const std::array<int, 4>& side, int nodes) {
+  const auto diagonal = [&](int from, int to) {
+    const auto &a = mesh.coordinates[element[side[from]]], &b = mesh.coordinates[element[side[to]]];
+    return std::array<double, 3>{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+  };
+  const auto p = diagonal(0, 2), q = nodes == 3 ? diagonal(0, 1) : diagonal(1, 3);
+  return 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
+}
 
 std::vector<Face> sortedFaces(const Mesh& mesh) {
   std::vector<Face> faces;
@@ -23,8 +36,8 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
     const int perSide = nodesPerSide(block.topology);
     for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
       for (int side = 0; side < sides; ++side) {
-        Face face{{-1, -1, -1, -1}, element};
         const auto& local = sideNodes(block.topology, side);
+        Face face{{-1, -1, -1, -1}, element, sideArea(mesh, &block.connectivity[e * perElement], local, perSide)};
         for (int i = 0; i < perSide; ++i) face.nodes[i] = block.connectivity[e * perElement + local[i]];
         std::sort(face.nodes.begin(), face.nodes.end());
         faces.push_back(face);
@@ -55,9 +68,24 @@ std::vector<int> numberRoots(std::vector<int>& parent, std::size_t members, int&
 
 }  // namespace
 
+std::vector<std::array<double, 3>> elementCentroids(const Mesh& mesh) {
+  std::vector<std::array<double, 3>> centroids;
+  for (const auto& block : mesh.blocks) {
+    const int n = nodesPerElement(block.topology);
+    for (std::size_t e = 0; e < block.numElements(); ++e) {
+      std::array<double, 3> x{0, 0, 0};
+      for (int i = 0; i < n; ++i)
+        for (int d = 0; d < 3; ++d) x[d] += mesh.coordinates[block.connectivity[e * n + i]][d] / n;
+      centroids.push_back(x);
+    }
+  }
+  return centroids;
+}
+
 DualGraph buildDualGraph(const Mesh& mesh) {
   const auto faces = sortedFaces(mesh);
-  std::vector<std::pair<std::int64_t, std::int64_t>> edges;
+  const auto centroids = elementCentroids(mesh);
+  std::vector<std::tuple<std::int64_t, std::int64_t, double>> edges;
   for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
     if (faces[i].nodes != faces[i + 1].nodes) continue;
     if (i + 2 < faces.size() && faces[i].nodes == faces[i + 2].nodes)
@@ -65,15 +93,19 @@ DualGraph buildDualGraph(const Mesh& mesh) {
                        std::to_string(mesh.elementNumbers[faces[i + 1].element]) + " and " +
                        std::to_string(mesh.elementNumbers[faces[i + 2].element]) +
                        " share one side; at most two elements may. Is the mesh doubled?");
-    edges.emplace_back(faces[i].element, faces[i + 1].element);
-    edges.emplace_back(faces[i + 1].element, faces[i].element);
+    const auto &a = centroids[faces[i].element], &b = centroids[faces[i + 1].element];
+    const double distance = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+    const double coupling = distance > 0 ? faces[i].area / distance : 0.0;  // 0: an element turned inside out
+    edges.emplace_back(faces[i].element, faces[i + 1].element, coupling);
+    edges.emplace_back(faces[i + 1].element, faces[i].element, coupling);
   }
   std::sort(edges.begin(), edges.end());
   DualGraph graph;
   graph.offsets.assign(mesh.numElements() + 1, 0);
-  for (const auto& edge : edges) {
-    ++graph.offsets[edge.first + 1];
-    graph.neighbours.push_back(edge.second);
+  for (const auto& [element, neighbour, coupling] : edges) {
+    ++graph.offsets[element + 1];
+    graph.neighbours.push_back(neighbour);
+    graph.couplings.push_back(coupling);
   }
   std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
   return graph;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,7 +13,11 @@ namespace Haptos {
 struct DualGraph {
   std::vector<std::int64_t> offsets;    ///< [numElements + 1]
   std::vector<std::int64_t> neighbours; ///< element indices, ascending in every row
+  std::vector<double> couplings;        ///< [neighbours] area of the shared side / distance of the centroids [length]
 };
+
+/// \brief Mean of the nodes of every element, [numElements].
+std::vector<std::array<double, 3>> elementCentroids(const Mesh& mesh);
 
 /// \throws InputError if more than two elements share a side.
 DualGraph buildDualGraph(const Mesh& mesh);

@@ -5,10 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_RoundParts.hpp"
 
 namespace Haptos {
 namespace {
@@ -58,13 +60,30 @@ std::vector<int> sharePartsOut(const Mesh& mesh, const Pieces& pieces, int total
   return parts;
 }
 
+// METIS takes whole numbers, whose sum must stay within an idx_t.  The least coupling counts 1, so that a regular mesh
+// of cubes has no weights at all.
+std::vector<idx_t> edgeWeights(const std::vector<double>& couplings) {
+  double least = std::numeric_limits<double>::infinity();
+  for (double c : couplings)
+    if (c > 0) least = std::min(least, c);
+  const double largest = std::max(1.0, std::min(1e4, 1e9 / double(couplings.size() + 1)));
+  std::vector<idx_t> weights;
+  for (double c : couplings) weights.push_back(c > 0 ? idx_t(std::lround(std::min(largest, c / least))) : 1);
+  return weights;
+}
+
 std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elements, int parts, int seed) {
   std::vector<idx_t> position(graph.offsets.size() - 1, -1), offsets{0}, neighbours;
+  std::vector<double> couplings;
   for (std::size_t i = 0; i < elements.size(); ++i) position[elements[i]] = idx_t(i);
   for (int e : elements) {
-    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) neighbours.push_back(position[graph.neighbours[k]]);
+    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
+      neighbours.push_back(position[graph.neighbours[k]]);
+      couplings.push_back(graph.couplings[k]);
+    }
     offsets.push_back(idx_t(neighbours.size()));
   }
+  auto weights = edgeWeights(couplings);
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = seed;
@@ -75,8 +94,8 @@ std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elemen
   idx_t n = idx_t(elements.size()), constraints = 1, count = parts, cut = 0;
   std::vector<idx_t> part(elements.size(), 0);
   if (parts > 1) {
-    const int status = METIS_PartGraphKway(&n, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr, nullptr,
-                                           &count, nullptr, nullptr, options, &cut, part.data());
+    const int status = METIS_PartGraphKway(&n, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr,
+                                           weights.data(), &count, nullptr, nullptr, options, &cut, part.data());
     TEUCHOS_TEST_FOR_EXCEPTION(status != METIS_OK, std::runtime_error, "METIS_PartGraphKway failed with status " << status);
   }
   return std::vector<int>(part.begin(), part.end());
@@ -163,17 +182,20 @@ void checkCount(const Mesh& mesh, const Pieces& pieces, int wanted) {
 
 std::vector<int> cutByMetis(const Mesh& mesh, const DualGraph& graph, const Pieces& pieces, const PartitionOptions& options) {
   const int automatic = std::max(pieces.count, int(std::lround(idealCount(mesh))));
-  const int wanted = options.subdomains == 0 ? automatic : options.subdomains;
-  checkCount(mesh, pieces, wanted);
-  const auto parts = sharePartsOut(mesh, pieces, wanted);
+  const int total = options.subdomains == 0 ? automatic : options.subdomains;
+  checkCount(mesh, pieces, total);
+  const auto parts = sharePartsOut(mesh, pieces, total);
   std::vector<int> result(mesh.numElements());
+  std::vector<double> wanted;
   int first = 0;
   for (int p = 0; p < pieces.count; ++p) {
     auto local = runMetis(graph, pieces.elements[p], parts[p], options.seed);
     fillEmptyParts(graph, pieces.elements[p], parts[p], local);
     for (std::size_t i = 0; i < local.size(); ++i) result[pieces.elements[p][i]] = first + local[i];
+    wanted.insert(wanted.end(), parts[p], double(pieces.elements[p].size()) / parts[p]);
     first += parts[p];
   }
+  roundParts(graph, elementCentroids(mesh), wanted, result);
   return result;
 }
 

@@ -20,10 +20,12 @@ struct Partition {
   int count = 0;
   std::vector<int> ofElement;        ///< [numElements] subdomain of an element; subdomains of a body are contiguous
   std::vector<int> bodyOfSubdomain;  ///< [count]
-  int mended = 0;                    ///< fragments that METIS left disconnected and that went to a neighbour
+  int mended = 0;                    ///< fragments that the cut left disconnected and that went to a neighbour
 };
 
 /// \brief Cuts every body by itself (METIS k-way on the dual graph, or given bricks, or one part a body).
+///
+/// METIS' parts are made round (`roundParts`); bricks stay as they are.
 ///
 /// The result depends on the mesh, the options and nothing else; in particular not on the number of ranks.
 /// A body that is connected through nodes only (a hinge) is cut into its side-connected pieces first, so

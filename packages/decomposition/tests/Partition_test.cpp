@@ -2,12 +2,15 @@
 #include "Haptos_Partition.hpp"
 
 #include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <queue>
 #include <set>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_RoundParts.hpp"
 
 namespace {
 
@@ -201,6 +204,71 @@ TEUCHOS_UNIT_TEST(Partition, OneElementPerSubdomainAndNoMore) {
   TEST_EQUALITY(partition.count, 6);
   checkParts(mesh, partition, out, success);
   TEST_THROW(cut(mesh, metis(7)), InputError);
+}
+
+TEUCHOS_UNIT_TEST(DualGraph, CouplingIsAreaOverDistance) {
+  BoxSpec spec;
+  spec.upper = {6, 2, 0.2};
+  spec.divisions = {3, 2, 2};  // cells of 2 x 1 x 0.1
+  const DualGraph graph = buildDualGraph(makeBoxes({spec}));
+  TEST_EQUALITY(graph.couplings.size(), graph.neighbours.size());
+  for (int e = 0; e < 12; ++e)
+    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
+      const int step = std::abs(int(graph.neighbours[k]) - e);
+      TEST_FLOATING_EQUALITY(graph.couplings[k], step == 1 ? 0.05 : step == 3 ? 0.2 : 20.0, 1e-12);
+    }
+  // a tetrahedron of Kuhn's subdivision has sides of area 1/2 and sqrt(2)/2
+  const DualGraph kuhn = buildDualGraph(box({1, 1, 1}, Topology::Tet4));
+  for (double coupling : kuhn.couplings) TEST_FLOATING_EQUALITY(coupling, std::sqrt(0.5) / std::sqrt(2.0 / 16.0), 1e-12);
+}
+
+// Layers of flat elements are far stiffer across than along: cuts stand across the plate.
+TEUCHOS_UNIT_TEST(Partition, FlatElementsStayTogetherAcrossThePlate) {
+  BoxSpec spec;
+  spec.upper = {1, 1, 0.003};
+  spec.divisions = {10, 10, 3};
+  const Mesh mesh = makeBoxes({spec});
+  for (int seed : {1, 2, 3}) {
+    const Partition partition = cut(mesh, metis(6, seed));
+    for (int e = 0; e < 100; ++e)
+      for (int layer : {1, 2}) TEST_EQUALITY(partition.ofElement[e], partition.ofElement[e + 100 * layer]);
+  }
+}
+
+TEUCHOS_UNIT_TEST(Partition, MetisPartsAreRoundAndOfOneSize) {
+  const Mesh mesh = box({12, 12, 12});
+  const auto x = elementCentroids(mesh);
+  for (int seed : {1, 2, 3}) {
+    const Partition partition = cut(mesh, metis(20, seed));
+    std::vector<int> size(20, 0);
+    std::vector<std::array<double, 3>> centre(20, {0, 0, 0});
+    for (int e = 0; e < 1728; ++e) {
+      ++size[partition.ofElement[e]];
+      for (int d = 0; d < 3; ++d) centre[partition.ofElement[e]][d] += x[e][d];
+    }
+    double spread = 0;  // mean squared distance to the centre of the part
+    for (int e = 0; e < 1728; ++e)
+      for (int d = 0; d < 3; ++d)
+        spread += std::pow(x[e][d] - centre[partition.ofElement[e]][d] / size[partition.ofElement[e]], 2) / 1728;
+    const auto [least, most] = std::minmax_element(size.begin(), size.end());
+    TEST_COMPARE(*least, >, 0.8 * 1728 / 20);
+    TEST_COMPARE(*most, <, 1.2 * 1728 / 20);
+    TEST_COMPARE(spread, <, 1.1 * std::pow(1.0 / 20, 2.0 / 3) / 4);  // 1.1 times that of cubes of this volume
+  }
+}
+
+// Halves that meet in a comb: the teeth are taken in.
+TEUCHOS_UNIT_TEST(RoundParts, TakesTeethIn) {
+  const Mesh mesh = box({8, 8, 1});
+  std::vector<int> part(64);
+  for (int e = 0; e < 64; ++e) part[e] = e % 8 < ((e / 8) % 2 ? 7 : 1);
+  roundParts(buildDualGraph(mesh), elementCentroids(mesh), {32.0, 32.0}, part);
+  TEST_EQUALITY(std::count(part.begin(), part.end(), 0), 32);
+  for (int e = 0; e < 64; ++e) TEST_EQUALITY(part[e], e % 8 < 4 ? 1 : 0);
+  std::vector<int> single{0, 1};  // no part loses its last element
+  const Mesh pair = box({2, 1, 1});
+  roundParts(buildDualGraph(pair), elementCentroids(pair), {2.0, 0.001}, single);
+  TEST_EQUALITY(std::count(single.begin(), single.end(), 0), 1);
 }
 
 TEUCHOS_UNIT_TEST(Partition, RanksGetContiguousGroups) {
