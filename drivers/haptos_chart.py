@@ -2,13 +2,14 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Measures speed against accuracy and draws it: CSV and SVG files, all from one command.
 
-    haptos_chart.py --haptos PROGRAM --scenes-test PROGRAM [--only accuracy|profile|counts]... [--quick]
+    haptos_chart.py --haptos PROGRAM --scenes-test PROGRAM [--only accuracy|profile|counts|tied]... [--quick]
                     [--folder doc/charts] [--repeats 3] [--time-limit 120] [--redraw] [--png]
 
 accuracy   multiplications by the Hessian F and seconds of the solve, over the measured kkt and over the true error
            of the contact forces (against a solution at 1e-12): accuracy.csv, accuracy_kkt.svg, accuracy_forces.svg
 profile    a performance profile over the scenes of scenes_test: profile.csv, profile.svg
 counts     the 20 cells of the published scaling table: counts.csv, counts.svg
+tied       contact against the same bodies tied together, a linear problem: tied.csv, tied.svg
 
 --quick    fewer tolerances, scenes and cells; asks for a --folder, so that it replaces no complete chart
 --redraw   draws from the CSV files that are there and runs nothing
@@ -62,6 +63,10 @@ ACCURACY_COLUMNS = ("scene", "method", "method_used", "tolerance", "status", "re
 PROFILE_COLUMNS = ("scene", "method", "method_used", "status", "multiplications", "kkt", "force_error", "remark")
 COUNTS_COLUMNS = ("k", "p", "subdomains", "unknowns", "published", "tolerance", "method_used", "status", "multiplications",
                   "kkt", "solve_seconds")
+
+TIED_COLUMNS = ("k", "p", "subdomains", "tolerance", "contact_status", "contact_multiplications", "contact_solve_seconds",
+                "tied_method", "tied_status", "tied_multiplications", "tied_solve_seconds", "ratio_multiplications", "ratio_seconds")
+TIED_AT, GOAL_MULTIPLICATIONS, GOAL_SECONDS = 1e-6, 2.5, 3.0
 
 # Okabe and Ito's palette: told apart with any colour vision; the marks differ in shape as well.
 COLOUR = {"SMALSE": "#D55E00", "Subspace Newton": "#0072B2", "Automatic": "#000000"}
@@ -196,14 +201,42 @@ def measure_profile(options):
 
 def measure_counts(options):
     rows = []
-    largest = 2 if options.quick else max(PUBLISHED)
-    for k, p, tolerance in [(k, p, t) for k in PUBLISHED if k <= largest for p in P_VALUES for t in COUNTED_AT]:
+    for k, p, tolerance in [(k, p, t) for k in options.k for p in P_VALUES for t in COUNTED_AT]:
         summary = solve(options, ("table31.xml", two_beams(k, p)), "Automatic", tolerance)
         row = accuracy_row(None, None, tolerance, summary, np.nan)
         row |= dict(k=k, p=p, subdomains=4 * k**3, published=PUBLISHED[k][P_VALUES.index(p)])
         row |= dict(unknowns=summary["model"]["primal_unknowns"]) if summary else {}
         rows.append(row)
         say(rows[-1])
+    return rows
+
+
+def best_of_runs(options, scene, tolerance):
+    """The summary of the run with the shortest solve, None where the time limit was hit."""
+    runs = [solve(options, scene, "Automatic", tolerance) for _ in range(options.repeats)]
+    return None if None in runs else min(runs, key=lambda summary: summary["time"]["solve"])
+
+
+def tied_columns(name, summary):
+    if summary is None:
+        return {f"{name}_status": "time limit"}
+    return {f"{name}_status": summary["solver"]["status"], f"{name}_multiplications": summary["solver"]["hessian_multiplications"],
+            f"{name}_solve_seconds": f"{summary['time']['solve']:.4f}"}
+
+
+def measure_tied(options):
+    """Contact with friction against the bonded interface, by PCPG, at the same tolerance of kkt."""
+    rows = []
+    for k, p in [(k, p) for k in options.k for p in P_VALUES]:
+        contact = best_of_runs(options, ("table31.xml", two_beams(k, p)), TIED_AT)
+        tied = best_of_runs(options, ("table31.xml", {**two_beams(k, p), "Contact->interface->Friction->Law": "Tied"}), TIED_AT)
+        row = dict(k=k, p=p, subdomains=4 * k**3, tolerance=f"{TIED_AT:g}", tied_method=tied["solver"]["method"] if tied else "")
+        row |= tied_columns("contact", contact) | tied_columns("tied", tied)
+        if contact and tied:
+            row["ratio_multiplications"] = f"{row['contact_multiplications'] / row['tied_multiplications']:.3f}"
+            row["ratio_seconds"] = f"{contact['time']['solve'] / tied['time']['solve']:.3f}"
+        rows.append(row)
+        say(row)
     return rows
 
 
@@ -340,6 +373,27 @@ def draw_counts(rows):
     return figure
 
 
+def draw_tied(rows):
+    figure, grid = plt.subplots(1, 2, figsize=(8.4, 3.6), sharex=True)
+    shades = ("#56B4E9", "#0072B2", "#E69F00", "#D55E00")
+    subdomains = sorted({int(r["subdomains"]) for r in rows})
+    for axes, key, goal, title in zip(grid, ("ratio_multiplications", "ratio_seconds"), (GOAL_MULTIPLICATIONS, GOAL_SECONDS),
+                                      ("multiplications by F", "time of the solve")):
+        axes.axhline(goal, color="#606060", linewidth=1, linestyle="--")
+        label(axes, subdomains[0], goal, f"goal {goal:g}", "#606060", (0, 6))
+        for p, colour in zip(P_VALUES, shades):
+            own = [r for r in rows if int(r["p"]) == p and r["contact_status"] == r["tied_status"] == "converged"]
+            axes.plot([int(r["subdomains"]) for r in own], [number(r, key) for r in own], "o-", color=colour, markersize=4, linewidth=1.4)
+            for last in own[-1:]:
+                label(axes, int(last["subdomains"]), number(last, key), f"H/h = {p}", colour)
+        axes.set(xscale="log", xlabel="subdomains", title=f"contact / tied: {title}")
+        axes.set_ylim(bottom=0)
+        axes.set_xticks(subdomains, [str(s) for s in subdomains])
+        axes.xaxis.set_minor_formatter(NullFormatter())
+    figure.tight_layout()
+    return figure
+
+
 def say(row):
     print(", ".join(str(value) for value in row.values() if value not in ("", None, "nan")), flush=True)
 
@@ -353,7 +407,7 @@ def save(figure, options, name):
 
 def make(options, part):
     measure, columns = {"accuracy": (measure_accuracy, ACCURACY_COLUMNS), "profile": (measure_profile, PROFILE_COLUMNS),
-                        "counts": (measure_counts, COUNTS_COLUMNS)}[part]
+                        "counts": (measure_counts, COUNTS_COLUMNS), "tied": (measure_tied, TIED_COLUMNS)}[part]
     path = options.folder / f"{part}.csv"
     if not options.redraw:
         rows = measure(options)
@@ -366,15 +420,16 @@ def make(options, part):
         save(draw_accuracy(rows, "kkt", "kkt reached"), options, "accuracy_kkt")
         save(draw_accuracy(rows, "force_error", "true error of the contact forces"), options, "accuracy_forces")
     else:
-        save({"profile": draw_profile, "counts": draw_counts}[part](rows), options, part)
+        save({"profile": draw_profile, "counts": draw_counts, "tied": draw_tied}[part](rows), options, part)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--haptos", default=str(ROOT / "build/release/bin/haptos"))
     parser.add_argument("--scenes-test", default=str(ROOT / "build/release/bin/scenes_test"))
-    parser.add_argument("--only", action="append", choices=("accuracy", "profile", "counts"))
+    parser.add_argument("--only", action="append", choices=("accuracy", "profile", "counts", "tied"))
     parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--k", type=int, nargs="+", choices=PUBLISHED, help="cells of counts and tied; all of them, or 1 2 if --quick")
     parser.add_argument("--folder", type=pathlib.Path)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--time-limit", type=float, default=120.0, metavar="SECONDS", help="of one run")
@@ -383,12 +438,13 @@ def main():
     options = parser.parse_args()
     if options.quick and options.folder is None and not options.redraw:
         parser.error("--quick needs a --folder, so that it does not replace the complete charts")
+    options.k = options.k or ([1, 2] if options.quick else list(PUBLISHED))
     options.repeats = 1 if options.quick else max(1, options.repeats)
     options.folder = options.folder or ROOT / "doc" / "charts"
     options.folder.mkdir(parents=True, exist_ok=True)
     style()
     try:
-        for part in options.only or ("accuracy", "profile", "counts"):
+        for part in options.only or ("accuracy", "profile", "counts", "tied"):
             make(options, part)
     except (RuntimeError, OSError) as error:
         print(f"haptos_chart: {error}", file=sys.stderr)

@@ -28,3 +28,8 @@ add_test(NAME result_in_vtk
                  --global kkt hessian_multiplications --times 1 --elements 32 --nodes 90)
 set_tests_properties(result_in_vtk PROPERTIES LABELS verification FIXTURES_REQUIRED result_for_vtk TIMEOUT 120
   SKIP_RETURN_CODE 77)
+
+# The charts, from a few small runs.
+add_test(NAME chart COMMAND ${python} ${CMAKE_CURRENT_SOURCE_DIR}/chart_test.py --haptos $<TARGET_FILE:haptos_program>
+         --scenes-test $<TARGET_FILE:scenes_test>)
+set_tests_properties(chart PROPERTIES LABELS verification TIMEOUT 600 SKIP_RETURN_CODE 77)

@@ -141,6 +141,7 @@ ContactInterface buildContactInterface(const Mesh& mesh, const ContactSpec& spec
   const ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   ContactInterface interface;
   interface.name = spec.name;
+  interface.tied = spec.tied;
   interface.pairs.reserve(secondary.numNodes());
   if (spec.rigidPlane)
     pairWithPlane(spec, secondary, interface);

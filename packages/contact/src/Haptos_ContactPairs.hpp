@@ -31,6 +31,7 @@ struct ContactSpec {
   std::string secondarySideSet;  ///< name or number
   std::string primarySideSet;    ///< name or number; empty: rigid plane
   std::optional<RigidPlane> rigidPlane;
+  bool tied = false;             ///< bonded, no contact law
   std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
 };
@@ -49,6 +50,7 @@ struct ContactPair {
 struct ContactInterface {
   std::string name;
   std::vector<ContactPair> pairs;  ///< ascending secondary node
+  bool tied = false;               ///< both sides are bonded: [u] = 0, whatever the gap
   std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
   std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd
 };

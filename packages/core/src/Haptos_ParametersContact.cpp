@@ -36,16 +36,17 @@ ParameterTree rigidPlane() {
 
 std::string lawIsMissing(const ParameterList& list) {
   if (list.isParameter("Law") || !list.isParameter("Coefficients")) return "";
-  return "Law: is missing though Coefficients are given; give Coulomb, Tresca or Frictionless";
+  return "Law: is missing though Coefficients are given; give Coulomb, Tresca, Frictionless or Tied";
 }
 
 ParameterTree friction() {
   ParameterTree section("Friction", "Orthotropic friction: ||F^-1 lambda_T|| <= g, F = diag(F1, F2).");
   section
       .add(ParameterSpec("Law", {Type::String},
-                         "Coulomb: g is the contact pressure; Tresca: g is the Slip Bound")
+                         "Coulomb: g is the contact pressure; Tresca: g is the Slip Bound; Tied: no law, both surfaces are bonded (their "
+                         "displacements are the same, whatever the gap)")
                .defaultTo(std::string("Frictionless"))
-               .oneOf({"Frictionless", "Tresca", "Coulomb"}))
+               .oneOf({"Frictionless", "Tresca", "Coulomb", "Tied"}))
       .add(ParameterSpec("Coefficients", {Type::DoubleArray},
                          "F1, F2 along the principal axes t1, t2; 0 takes the friction along an axis away")
                .neededWhen("Law", {"Tresca", "Coulomb"})

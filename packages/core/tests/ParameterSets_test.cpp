@@ -101,7 +101,7 @@ TEUCHOS_UNIT_TEST(ParameterSets, EveryPrintedDefaultIsAccepted) {
 TEUCHOS_UNIT_TEST(ParameterSets, DocumentationNamesEveryParameter) {
   const std::string doc = inputDocumentation();
   TEST_CONTAINS(doc, "# Input", "### Contact", "##### Contact->&lt;contact>->Friction",
-                "| Law | string | Frictionless | Frictionless \\| Tresca \\| Coulomb |",
+                "| Law | string | Frictionless | Frictionless \\| Tresca \\| Coulomb \\| Tied |",
                 "| Poisson's Ratio | double | required | -1 &lt; value &lt; 0.5 |", "force per area",
                 "Exactly one of `File`, `Two Beams` is given.");
   TEST_CONTAINS(printedParameters(), "Solver->Relative Tolerance\n    type     double\n    default  1e-06\n",

@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <string>
+
+#include "Haptos_Error.hpp"
 
 namespace Haptos {
 namespace {
@@ -127,6 +130,24 @@ class RowBuilder {
     return closeRow(kind, c, pair.secondaryNode);
   }
 
+  // The mean displacements of both sides are the same along one axis.
+  void addTied(const ContactInterface& interface, const ContactPair& pair, int component) {
+    constexpr double kRoundOff = 1e-12;
+    std::array<double, 3> axis{0, 0, 0};
+    axis[component] = 1;
+    double c = 0;
+    addMean(pair.secondaryNode, axis, +1.0, c);
+    if (pair.primaryNode >= 0) addMean(pair.primaryNode, axis, -1.0, c);
+    if (rows.entries.size() > rows.offsets.back()) {
+      closeRow(RowKind::Tied, c, pair.secondaryNode);
+      return;
+    }
+    const auto* p = findPrescribed(pair.secondaryNode, component);
+    if (std::abs(c) > kRoundOff * (p ? std::abs(p->value) : 0.0))
+      throw InsufficientModel("The model has no solution: the displacements prescribed on both sides of contact '" + interface.name +
+                              "' part a tied pair by " + std::to_string(std::abs(c)) + " along " + "xyz"[component] + ".");
+  }
+
   ConstraintRows rows;
 
  private:
@@ -158,10 +179,19 @@ class RowBuilder {
   const std::vector<PrescribedDisplacement>& prescribed_;
 };
 
+void addTiedRows(RowBuilder& builder, const std::vector<ContactInterface>& interfaces) {
+  for (const auto& interface : interfaces) {
+    if (!interface.tied) continue;
+    builder.rows.numTied += GlobalOrdinal(interface.pairs.size());
+    for (const auto& pair : interface.pairs)
+      for (int component = 0; component < 3; ++component) builder.addTied(interface, pair, component);
+  }
+}
+
 void addContactRows(RowBuilder& builder, const std::vector<ContactInterface>& interfaces, const std::vector<char>& frictional) {
   auto& pairs = builder.rows.pairs;
   for (std::size_t k = 0; k < interfaces.size(); ++k)
-    for (std::size_t i = 0; i < interfaces[k].pairs.size(); ++i) {
+    for (std::size_t i = 0; i < interfaces[k].pairs.size() && !interfaces[k].tied; ++i) {
       const ContactPair& pair = interfaces[k].pairs[i];
       pairs.push_back({int(k), int(i), builder.addContact(RowKind::Normal, pair, pair.frame.normal, pair.gap), {-1, -1}, pair});
     }
@@ -185,6 +215,7 @@ ConstraintRows buildConstraintRows(const Mesh& mesh, const std::vector<Subdomain
   RowBuilder builder(copies, ownership, prescribed);
   for (std::size_t node = 0; node < mesh.numNodes(); ++node) builder.addGluing(std::int64_t(node));
   for (const auto& p : prescribed) builder.addDirichlet(p);
+  addTiedRows(builder, interfaces);
   builder.rows.numEquality = builder.rows.numRows();
   addContactRows(builder, interfaces, frictional);
   return std::move(builder.rows);

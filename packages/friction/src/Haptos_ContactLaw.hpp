@@ -14,6 +14,7 @@ struct FrictionSpec {
   FrictionLaw law = FrictionLaw::Frictionless;
   std::array<double, 2> coefficients{0, 0};  ///< F1, F2 [-] along the principal axes
   double slipBound = 0;                      ///< Tresca: traction [force/area]
+  bool tied = false;                         ///< bonded: no law at all, equality rows
 };
 
 enum class ContactStatus { Open = 1, Slip = 2, Stick = 3 };

@@ -20,12 +20,12 @@ Eigen::MatrixXd sumOverRanks(const Communicator& comm, const Eigen::MatrixXd& mi
   return sum;
 }
 
-// Basis of the body motions that Dirichlet rows do not feel.
+// Basis of the body motions that Dirichlet and tied rows do not feel.
 Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multipliers, const SparseRows& GZ) {
   constexpr double kFree = 1e-10;
   Eigen::MatrixXd A = Eigen::MatrixXd::Zero(GZ.cols(), GZ.cols());
   for (int row = 0; row < GZ.rows(); ++row) {
-    if (multipliers.kinds()[row] != RowKind::Dirichlet) continue;
+    if (multipliers.kinds()[row] != RowKind::Dirichlet && multipliers.kinds()[row] != RowKind::Tied) continue;
     const Eigen::VectorXd r = GZ.row(row).transpose();
     A.noalias() += r * r.transpose();
   }

@@ -72,6 +72,16 @@ std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u,
   return all;
 }
 
+// Largest jump over tied rows.
+double measureTied(const MultiplierMap& multipliers, const Vector& s) {
+  const auto data = s.getData(0);
+  double mine = 0, all = 0;
+  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
+    if (multipliers.kinds()[row] == RowKind::Tied) mine = std::max(mine, std::abs(data[row]));
+  Teuchos::reduceAll(*s.getMap()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(all));
+  return all;
+}
+
 }  // namespace
 
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm) {
@@ -130,7 +140,7 @@ Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems
   result.ext = std::max(model.loads.norm, reactions.norm);
   result.errors = measureContact(model.law, lambda, s, result.scales);
   result.errors.equilibrium = ratio(std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0)), result.ext);
-  result.errors.continuity = ratio(continuity.difference, continuity.largest);
+  result.errors.continuity = ratio(std::max(continuity.difference, measureTied(model.jump.multipliers(), s)), continuity.largest);
   result.floor = roundOffFloor(systems, model.jump.primalOffsets(), u, result.ext);
   if (!residual.empty()) result.residualBody = int(std::max_element(residual.begin(), residual.end()) - residual.begin());
   result.differenceNode = continuity.node;

@@ -22,6 +22,7 @@ Json modelBlock(const ModelReport& model) {
           {"kernel_dimension", model.kernelDimension},
           {"contact_pairs", model.contactPairs},
           {"pinned_rows", model.pinnedRows},
+          {"tied_pairs", model.tiedPairs},
           {"discretization", model.discretization},
           {"law", model.law},
           {"formulation", model.formulation},
@@ -138,6 +139,7 @@ std::string modelText(const ModelReport& model) {
   out << model.bodies << (model.bodies == 1 ? " body, " : " bodies, ") << model.subdomains << " subdomains, "
       << model.primalUnknowns << " primal and " << model.dualUnknowns << " dual unknowns, kernel " << model.kernelDimension
       << "; " << model.contactPairs << " contact pairs (" << model.discretization << ", " << model.law << ")";
+  if (model.tiedPairs > 0) out << ", " << model.tiedPairs << " tied pairs";
   return out.str();
 }
 

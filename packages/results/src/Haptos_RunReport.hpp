@@ -19,6 +19,7 @@ struct ModelReport {
   long kernelDimension = 0;  ///< l
   long contactPairs = 0;     ///< m_c
   long pinnedRows = 0;
+  long tiedPairs = 0;        ///< bonded, beside the contact pairs
   std::string discretization, law, localSolver, preconditioner, formulation;
   std::vector<std::string> leftOut;
   std::vector<std::string> notes;

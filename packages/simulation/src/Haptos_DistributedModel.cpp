@@ -40,6 +40,7 @@ Bytes packHeader(const Mesh& mesh, const ModelData& data, const GlobalModel& mod
   writer.write(data.formulation);
   writer.write(data.friction);
   writer.write(data.unpairedNodes);
+  writer.write(data.tiedPairs);
   writer.write(data.metis);
   writer.write(data.mendedFragments);
   writer.write(model.partition.count);
@@ -69,6 +70,7 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
   model.data.formulation = reader.read<Formulation>();
   model.data.friction = reader.readVector<FrictionSpec>();
   model.data.unpairedNodes = reader.read<std::size_t>();
+  model.data.tiedPairs = reader.read<long>();
   model.data.metis = reader.read<bool>();
   model.data.mendedFragments = reader.read<int>();
   model.numSubdomains = reader.read<int>();

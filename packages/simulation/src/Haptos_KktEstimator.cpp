@@ -29,7 +29,7 @@ KktErrors KktEstimator::measure(const Vector& lambda, const Vector& s) const {
   double mine = 0, largest = 0;
   const auto data = s.getData(0);
   for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
-    if (multipliers.kinds()[row] == RowKind::Gluing || multipliers.kinds()[row] == RowKind::Dirichlet)
+    if (isEquality(multipliers.kinds()[row]))
       mine = std::max(mine, std::abs(data[row]));
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
   errors.continuity = uRef_ > 0 ? std::sqrt(2.0) * largest / uRef_ : (largest > 0 ? 1.0 : 0.0);

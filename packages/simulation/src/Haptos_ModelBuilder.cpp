@@ -73,6 +73,7 @@ ContactSpec contactSpec(const std::string& name, const ParameterList& list) {
   if (list.isSublist("Rigid Plane"))
     spec.rigidPlane = RigidPlane{threeOf(list.sublist("Rigid Plane"), "Point"), threeOf(list.sublist("Rigid Plane"), "Normal")};
   spec.matchingTolerance = std::min(0.25, list.get<double>("Matching Tolerance"));
+  spec.tied = list.sublist("Friction").get<std::string>("Law") == "Tied";
   spec.principalDirection = threeOf(list.sublist("Friction"), "Principal Direction");
   return spec;
 }
@@ -80,7 +81,8 @@ ContactSpec contactSpec(const std::string& name, const ParameterList& list) {
 FrictionSpec frictionSpec(const ParameterList& list) {
   FrictionSpec spec;
   const auto law = list.get<std::string>("Law");
-  if (law == "Frictionless") return spec;
+  spec.tied = law == "Tied";
+  if (law == "Frictionless" || spec.tied) return spec;
   spec.law = law == "Coulomb" ? FrictionLaw::Coulomb : FrictionLaw::Tresca;
   const auto coefficients = list.get<Teuchos::Array<double>>("Coefficients");
   spec.coefficients = {coefficients[0], coefficients[1]};
@@ -144,6 +146,7 @@ void readContact(const ParameterList& list, ModelData& data, GlobalModel& model)
   for (const auto& interface : model.interfaces) {
     data.notes.insert(data.notes.end(), interface.notes.begin(), interface.notes.end());
     data.unpairedNodes += interface.unpairedNodes;
+    if (interface.tied) data.tiedPairs += long(interface.pairs.size());
   }
 }
 

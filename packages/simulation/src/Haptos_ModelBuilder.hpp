@@ -33,6 +33,7 @@ struct ModelData {
   std::vector<std::string> notes;            ///< full sentences for the report, also printed as warnings
   std::vector<std::string> remarks;          ///< full sentences for the report
   std::size_t unpairedNodes = 0;
+  long tiedPairs = 0;
   bool metis = false;
   int mendedFragments = 0;
 };

@@ -42,12 +42,14 @@ std::vector<std::string> leftOut(const ModelData& data, long pairs) {
     coulomb = coulomb || data.friction[i].law == FrictionLaw::Coulomb;
     frictional = frictional || data.friction[i].law != FrictionLaw::Frictionless;
     matching = true;
-    if (data.friction[i].law == FrictionLaw::Frictionless)
+    if (data.friction[i].tied)
+      notes.push_back("no contact law on '" + data.interfaceNames[i] + "' (tied)");
+    else if (data.friction[i].law == FrictionLaw::Frictionless)
       notes.push_back("no tangential multipliers on '" + data.interfaceNames[i] + "' (no friction)");
   }
   if (frictional && !coulomb) notes.push_back("no outer fixed point (Tresca)");
   if (matching && pairs > 0) notes.push_back("no mortar integration (matching meshes or a rigid plane)");
-  if (pairs == 0) notes.push_back(data.friction.empty() ? "no contact (none in the input)" : "no contact (no pair within reach)");
+  if (pairs == 0 && data.tiedPairs == 0) notes.push_back(data.friction.empty() ? "no contact (none in the input)" : "no contact (no pair within reach)");
   if (data.unpairedNodes > 0)
     notes.push_back(std::to_string(data.unpairedNodes) + " secondary nodes have nothing opposite and no multiplier");
   return notes;
@@ -143,7 +145,8 @@ void Simulation::describeModel() {
   m.contactPairs = long(multipliers.numPairs());
   long pinned = std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1));
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, pinned, Teuchos::outArg(m.pinnedRows));
-  m.discretization = m.contactPairs > 0 ? "Node To Node" : "none";
+  m.tiedPairs = model_->data.tiedPairs;
+  m.discretization = m.contactPairs + m.tiedPairs > 0 ? "Node To Node" : "none";
   FrictionLaw law = FrictionLaw::Frictionless;
   for (const auto& friction : model_->data.friction) law = std::max(law, friction.law);
   m.law = m.contactPairs > 0 ? lawName(law) : "none";

@@ -29,7 +29,7 @@ ContactOperators contactOperators(const FetiSystem& system) {
   o.pairs = system.law().pairs();
   const auto& kinds = system.jump().multipliers().kinds();
   for (std::size_t row = 0; row < kinds.size(); ++row)
-    if (kinds[row] == RowKind::Gluing || kinds[row] == RowKind::Dirichlet) o.gluingRows.push_back(int(row));
+    if (isEquality(kinds[row])) o.gluingRows.push_back(int(row));
   return o;
 }
 
