@@ -3,6 +3,7 @@
 #include <memory>
 
 #include "Haptos_BodyMotions.hpp"
+#include "Haptos_ChangingCoarseProblem.hpp"
 #include "Haptos_DualProblem.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
@@ -49,21 +50,35 @@ class GluingBalance {
 ///   dual:   res := res + G_A^T a  with  G_A D res = 0;   primal:  z := z - D G_A^T (G_A D G_A^T)^-1 G_A z
 ///
 /// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
+/// The part of the gluing rows is eliminated once, for all active sets.
 class ActiveCoarseProjection {
  public:
-  /// \param weights [rows] D, \param modes [pairs].  Collective.
+  /// \param weights [rows] D.  Collective.
   ActiveCoarseProjection(const DualProblem& dual, const DualVectors& vectors, const std::vector<PairLaw>& pairs,
-                         const LawLinearization& law, const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                         const CoarseProblem::Holds& holds);
+                         const Eigen::VectorXd& weights, const CoarseProblem::Holds& holds);
+
+  /// \brief Takes the active set of `law` with its modes [pairs].  Collective.
+  void update(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
   void projectDual(Eigen::VectorXd& residual) const;  ///< Collective
   void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
 
  private:
+  // G^T on the rows of one pair: one block of rows (n, t1, t2) and six columns for every subdomain.
+  struct PairColumns {
+    std::vector<int> subdomains;
+    std::vector<Eigen::Matrix<double, 3, 6>> blocks;
+  };
+
+  PairColumns columnsOf(const PairLaw& pair) const;
+  Eigen::VectorXd activeRows(const Eigen::VectorXd& x) const;
+
   const DualVectors& vectors_;
   const Eigen::VectorXd& weights_;
-  CoarseRows rows_;
-  std::unique_ptr<CoarseProblem> coarse_;
+  const CoarseRows& rows_;  // G^T
+  std::vector<PairColumns> columns_;     // [pairs]
+  std::vector<Eigen::Matrix3d> active_;  // [pairs] weights of the rows (n, t1, t2) in G_A
+  std::unique_ptr<ChangingCoarseProblem> coarse_;
 };
 
 }  // namespace Haptos

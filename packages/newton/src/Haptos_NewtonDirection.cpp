@@ -50,7 +50,8 @@ void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinear
   modes_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
-  coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds());
+  if (!coarse_) coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, weights_, balance_.holds());
+  coarse_->update(pairs, law, modes_);
 }
 
 Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {

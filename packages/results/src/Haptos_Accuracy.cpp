@@ -50,7 +50,7 @@ std::array<double, 2> measureResidual(const AccuracyInput& model, const LocalSys
     Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
     applyStiffness(model.subdomains[i].coordinates, model.subdomains[i].groups, model.materials, model.formulation, ui, Ku);
     mine[0] += (ri - Ku).squaredNorm();
-    const auto& K = systems[int(i)].K;
+    const auto& K = systems.stiffness(int(i));
     for (Eigen::Index column = 0; column < n; ++column) {  // K is symmetric: rows are columns
       double sum = 0;
       for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it) sum += std::abs(it.value() * ui[it.row()]);
