@@ -3,7 +3,13 @@
 #include <Teuchos_DefaultComm.hpp>
 #include <Tpetra_Core.hpp>
 #include <cstdio>
+#include <cstdlib>
 #include <iostream>
+
+#include <dlfcn.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
@@ -81,10 +87,27 @@ int runProgram(const RCP<const Communicator>& comm, int argc, char* argv[]) {
   return runSimulation(comm, line);
 }
 
+// Ranks are the parallelism here; threads would fight for their cores.  The BLAS has read its environment before main,
+// and CHOLMOD asks OpenMP for four threads by number, so both are told by their own functions, where they are there.
+void useOneThread() {
+  if (std::getenv("OPENBLAS_NUM_THREADS") == nullptr)
+    if (auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
+  if (auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
+}
+
+// Vectors come and go in every iteration: keep their pages instead of asking the system for clean ones each time.
+void keepFreedMemory() {
+#ifdef __GLIBC__
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 512 << 20);
+#endif
+}
+
 }  // namespace
 
 int main(int argc, char* argv[]) {
-  setenv("OPENBLAS_NUM_THREADS", "1", 0);  // one thread a rank, unless the user says otherwise
+  useOneThread();
+  keepFreedMemory();
   Tpetra::ScopeGuard mpi(&argc, &argv);
   countMpiCalls();
   const auto comm = Tpetra::getDefaultComm();

@@ -38,6 +38,13 @@ ParameterTree localSolverSection() {
       ParameterSpec("Method", {Type::String}, "Automatic takes CHOLMOD where it is built in, else KLU2")
           .defaultTo(std::string("Automatic"))
           .oneOf({"Automatic", "CHOLMOD", "KLU2"}));
+  section.add(
+      ParameterSpec("Dual Operator", {Type::String},
+                    "How a subdomain acts in an application of F and of the Dirichlet preconditioner: Implicit by solves with its "
+                    "sparse factor, Explicit by dense matrices on its surface (more work before, less in every application); "
+                    "Automatic predicts for every class of congruent subdomains which is faster, within half the machine's memory")
+          .defaultTo(std::string("Automatic"))
+          .oneOf({"Automatic", "Implicit", "Explicit"}));
   return section;
 }
 

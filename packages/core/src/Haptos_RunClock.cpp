@@ -2,6 +2,7 @@
 #include "Haptos_RunClock.hpp"
 
 #include <sys/resource.h>
+#include <unistd.h>
 
 #include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
@@ -115,6 +116,8 @@ double peakMemoryMb() {
   return double(usage.ru_maxrss) / 1024.0;
 #endif
 }
+
+double physicalMemoryBytes() { return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)); }
 
 std::vector<double> gatherPeakMemoryMb(const Communicator& comm) {
   const double mine = peakMemoryMb();

@@ -87,6 +87,9 @@ std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, c
 /// \brief Largest resident memory of this process so far [MB = 2^20 bytes].
 double peakMemoryMb();
 
+/// \brief Memory of this machine [bytes].
+double physicalMemoryBytes();
+
 /// \brief `peakMemoryMb` of every rank, [number of ranks], the same on all.  Collective.
 std::vector<double> gatherPeakMemoryMb(const Communicator& comm);
 

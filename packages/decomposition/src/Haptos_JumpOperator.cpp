@@ -4,6 +4,7 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <algorithm>
 #include <numeric>
 
 #include "Haptos_TpetraCompat.hpp"
@@ -40,6 +41,16 @@ JumpOperator::JumpOperator(RCP<const MultiplierMap> multipliers, int firstSubdom
     columns_[at] = int(primalOffsets_[entry.subdomain - firstSubdomain]) + entry.dof;
     values_[at] = entry.value;
   }
+}
+
+std::vector<int> JumpOperator::touchedDofs(int localSubdomain) const {
+  const auto& entries = multipliers_->overlapEntries();  // sorted by subdomain
+  const int subdomain = firstSubdomain_ + localSubdomain;
+  const auto bySubdomain = [](const MultiplierMap::OverlapEntry& entry, int s) { return entry.subdomain < s; };
+  auto it = std::lower_bound(entries.begin(), entries.end(), subdomain, bySubdomain);
+  std::vector<int> dofs;
+  for (; it != entries.end() && it->subdomain == subdomain; ++it) dofs.push_back(it->dof);
+  return dofs;
 }
 
 void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const {

@@ -37,6 +37,7 @@ class JumpOperator final : public Operator {
 
   const MultiplierMap& multipliers() const { return *multipliers_; }
   int firstSubdomain() const { return firstSubdomain_; }  ///< global number of this rank's first one
+  std::vector<int> touchedDofs(int localSubdomain) const;  ///< unknowns of one of this rank's subdomains with a row; with repetitions
   const std::vector<std::size_t>& primalOffsets() const { return primalOffsets_; }  ///< [local subdomains + 1]
 
  private:

@@ -16,7 +16,8 @@ namespace Haptos {
 ///
 /// For Tpetra matrices of double on a communicator of one process, stored in full (both triangles; the lower
 /// one is read).  The phases are those of Amesos2: `symbolicFactorization` orders (AMD, and METIS where CHOLMOD
-/// has it and AMD fills in much) and analyses, `numericFactorization` computes L, supernodal where that pays.
+/// has it and AMD fills in much; where unknowns come in threes, the nodes instead of them) and analyses,
+/// `numericFactorization` computes L, supernodal where that pays.
 /// `solve` takes any number of right-hand sides.  One object must not solve in two threads at once.
 ///
 /// Source: Chen, Davis, Hager, Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22.
@@ -44,6 +45,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   Teuchos::RCP<const Teuchos::ParameterList> getValidParameters_impl() const { return Teuchos::parameterList(); }
   bool loadA_impl(Amesos2::EPhase phase);
 
+  std::vector<int> orderByNodes();
   cholmod_sparse sparseView() const;
   int failedColumn() const;
   std::size_t countEntries() const;
@@ -119,11 +121,51 @@ cholmod_sparse CholmodSolver<Matrix, Vector>::sparseView() const {
   return a;
 }
 
+/// Order of the unknowns by that of the graph of nodes, three unknowns each: nine times fewer entries to look at.
+/// Empty where the pattern does not consist of such blocks.
+template <class Matrix, class Vector>
+std::vector<int> CholmodSolver<Matrix, Vector>::orderByNodes() {
+  const int n = int(starts_.size()) - 1, nodes = n / 3;
+  if (n % 3 != 0 || n < 60) return {};
+  std::vector<int> starts{0}, neighbours, seenBy(std::size_t(nodes), -1);
+  for (int node = 0; node < nodes; ++node) {
+    for (int k = starts_[3 * node]; k < starts_[3 * node + 3]; ++k) {
+      const int other = indices_[k] / 3;
+      if (seenBy[other] == node) continue;
+      seenBy[other] = node;
+      if (other >= node) neighbours.push_back(other);  // lower triangle
+    }
+    starts.push_back(int(neighbours.size()));
+  }
+  if (2 * neighbours.size() > indices_.extent(0) / 6) return {};
+  cholmod_sparse graph{};
+  graph.nrow = graph.ncol = std::size_t(nodes);
+  graph.nzmax = neighbours.size();
+  graph.p = starts.data();
+  graph.i = neighbours.data();
+  graph.stype = -1;
+  graph.itype = CHOLMOD_INT;
+  graph.xtype = CHOLMOD_PATTERN;
+  graph.packed = 1;
+  cholmod_factor* analysis = cholmod_analyze(&graph, &common_);
+  if (analysis == nullptr) return {};
+  std::vector<int> order;
+  for (int i = 0; i < nodes; ++i)
+    for (int c = 0; c < 3; ++c) order.push_back(3 * static_cast<const int*>(analysis->Perm)[i] + c);
+  cholmod_free_factor(&analysis, &common_);
+  return order;
+}
+
 template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   cholmod_free_factor(&factor_, &common_);
   auto a = sparseView();
-  factor_ = cholmod_analyze(&a, &common_);
+  std::vector<int> order = orderByNodes();
+  if (!order.empty()) {
+    common_.nmethods = 1;
+    common_.method[0].ordering = CHOLMOD_GIVEN;
+  }
+  factor_ = cholmod_analyze_p(&a, order.empty() ? nullptr : order.data(), nullptr, 0, &common_);
   TEUCHOS_TEST_FOR_EXCEPTION(factor_ == nullptr, std::runtime_error,
                              "CHOLMOD: the symbolic factorisation of " << a.nrow << " unknowns failed with status "
                                                                        << common_.status << " (-2: out of memory)");

@@ -12,7 +12,7 @@
 namespace Haptos {
 namespace {
 
-bool isContact(RowKind kind) { return kind != RowKind::Gluing && kind != RowKind::Dirichlet; }
+bool isContact(RowKind kind) { return kind == RowKind::Normal || kind == RowKind::Tangential; }
 
 // S(c, c) by solves for the unit vectors of c, in blocks
 Eigen::MatrixXd denseBlock(const DualPreconditioner& M, int congruenceClass, const std::vector<int>& c) {

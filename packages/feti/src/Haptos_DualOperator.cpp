@@ -12,7 +12,7 @@ DualOperator::DualOperator(RCP<const JumpOperator> jump, RCP<const LocalSystems>
 void DualOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   MultiVector f(jump_->getDomainMap(), x.getNumVectors()), u(jump_->getDomainMap(), x.getNumVectors());
   jump_->apply(x, f, Teuchos::TRANS);
-  systems_->applyPseudoInverse(jump_->primalOffsets(), f, u);
+  systems_->applyOnSurface(jump_->primalOffsets(), f, u);
   jump_->apply(u, y, Teuchos::NO_TRANS, alpha, beta);
   applications_ += long(x.getNumVectors());
 }

@@ -28,16 +28,24 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
   weights_.assign(offsets.back(), 0.0);
   for (const auto& entry : jump_->multipliers().overlapEntries())
     weights_[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof] = 1.0 / entry.weight;
-  for (const auto& members : systems_->members()) {
-    const LocalSystem& system = (*systems_)[members.front()];
-    boundary_.push_back(surfaceDofs(subdomains[members.front()]));
-    if (kind == PreconditionerKind::Dirichlet)
-      schur_.push_back(std::make_unique<LocalSchur>(system.K, system.R, boundary_.back(), method));
+  for (int c = 0; c < systems_->numClasses(); ++c) {
+    const int first = systems_->members()[c].front();
+    const LocalSystem& system = (*systems_)[first];
+    const auto* condensed = kind == PreconditionerKind::Dirichlet ? systems_->condensationOf(c) : nullptr;
+    boundary_.push_back(condensed ? condensed->boundary() : surfaceDofs(subdomains[first]));
+    condensed_.push_back(condensed);
+    schur_.push_back(kind == PreconditionerKind::Dirichlet && !condensed
+                         ? std::make_unique<LocalSchur>(system.K, system.R, boundary_.back(), method)
+                         : nullptr);
   }
 }
 
 void DualPreconditioner::applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const {
-  if (!schur_.empty()) {
+  if (condensed_[congruenceClass]) {
+    condensed_[congruenceClass]->applySchur(X, Y);
+    return;
+  }
+  if (schur_[congruenceClass]) {
     schur_[congruenceClass]->apply(X, Y);
     return;
   }
@@ -100,7 +108,9 @@ RCP<Vector> DualPreconditioner::diagonal() const {
     const auto& members = systems_->members()[c];
     const auto& K = (*systems_)[members.front()].K;
     Eigen::VectorXd d = boundaryDiagonal(K, boundary_[c]);
-    if (!schur_.empty()) d = d.size() <= 600 ? schur_[c]->diagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
+    const bool exact = d.size() <= 600;  // by both ways of applying S, so that they iterate alike
+    if (condensed_[c]) d = exact ? condensed_[c]->schurDiagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
+    else if (schur_[c]) d = exact ? schur_[c]->diagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
     for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
     for (int member : members)
       for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary_[c][i]] = d[i];

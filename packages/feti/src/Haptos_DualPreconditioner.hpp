@@ -56,7 +56,8 @@ class DualPreconditioner final : public Operator {
   RowGram gram_;
   std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
   std::vector<std::vector<int>> boundary_;     // [classes] boundary dofs
-  std::vector<std::unique_ptr<LocalSchur>> schur_;  // [classes], Dirichlet only
+  std::vector<const LocalCondensation*> condensed_;      // [classes] of systems_; null where S acts by solves or is K_bb
+  std::vector<std::unique_ptr<LocalSchur>> schur_;      // [classes] null where condensed or lumped
   mutable long applications_ = 0;
 };
 

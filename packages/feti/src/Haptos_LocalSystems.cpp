@@ -2,10 +2,13 @@
 #include "Haptos_LocalSystems.hpp"
 
 #include <Tpetra_MultiVector.hpp>
+#include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "Haptos_RigidBodyModes.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
+#include "Haptos_SubdomainSurface.hpp"
 
 namespace Haptos {
 namespace {
@@ -16,6 +19,52 @@ bool samePattern(const Eigen::SparseMatrix<double>& a, const Eigen::SparseMatrix
   return a.rows() == b.rows() && a.nonZeros() == b.nonZeros() &&
          std::equal(a.outerIndexPtr(), a.outerIndexPtr() + a.outerSize() + 1, b.outerIndexPtr()) &&
          std::equal(a.innerIndexPtr(), a.innerIndexPtr() + a.nonZeros(), b.innerIndexPtr());
+}
+
+constexpr int kBlock = 64;  // right-hand sides at once: enough for BLAS 3, small enough for the cache
+
+// Seconds of construction and of the applications of F and M of a typical run, by both ways.  The rates are those of
+// one core of a current processor; only their ratios matter.
+struct LocalPrediction {
+  double explicitSeconds, implicitSeconds, explicitBytes;
+};
+
+LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
+  constexpr double kApplications = 40, kTraffic = 2e10, kSparseTraffic = 1e10;  // [-], [bytes/s]
+  constexpr double kDense = 3e10, kProducts = 4e10, kSparseProducts = 2.5e10;   // [flops/s]
+  constexpr double kFillIn = 25, kFactor = 17e-3, kFactorSize = 2187;  // entries of L: 25 n^(4/3); seconds at 2187 unknowns
+  const auto dense = LocalCondensation::cost(n, nb, members);
+  const double m = double(members), entries = kFillIn * (std::pow(n, 4.0 / 3) + std::pow(n - nb, 4.0 / 3));
+  const double traffic = (m > 2 ? 12 : 6 * m) * nb * nb;  // P in double, S in single precision
+  const double denseApply = traffic / kTraffic + (m > 2 ? 3 * nb * nb * m / kProducts : 0.0);
+  const double sparseApply = (m > 2 ? 1 : m) * 16 * entries / kSparseTraffic + (m > 2 ? 4 * entries * m / kSparseProducts : 0.0);
+  return {dense.flops / kDense + kApplications * denseApply,
+          2 * kFactor * std::pow(n / kFactorSize, 1.8) + kApplications * sparseApply, dense.bytes};
+}
+
+std::vector<std::size_t> sizesOf(const Subdomain& sub) {
+  std::vector<std::size_t> sizes{sub.coordinates.size()};
+  for (const auto& group : sub.groups) sizes.push_back(group.connectivity.size());
+  return sizes;
+}
+
+// Same elements, same materials, nodes moved by one vector: K is the same to round-off.  The bound leaves K within
+// kCongruenceTolerance while an edge is not below 1/50 of the subdomain.
+bool isTranslatedCopy(const Subdomain& a, const Subdomain& b) {
+  constexpr double kSamePlace = 0.02 * kCongruenceTolerance;  // of the subdomain's extent
+  if (a.groups.size() != b.groups.size() || a.coordinates.size() != b.coordinates.size()) return false;
+  for (std::size_t g = 0; g < a.groups.size(); ++g)
+    if (a.groups[g].topology != b.groups[g].topology || a.groups[g].material != b.groups[g].material ||
+        a.groups[g].connectivity != b.groups[g].connectivity)
+      return false;
+  double extent = 0, difference = 0;
+  for (std::size_t i = 1; i < a.coordinates.size(); ++i)
+    for (std::size_t d = 0; d < 3; ++d) {
+      const double x = a.coordinates[i][d] - a.coordinates[0][d], y = b.coordinates[i][d] - b.coordinates[0][d];
+      extent = std::max(extent, std::abs(x));
+      if (!(std::abs(x - y) <= difference)) difference = std::abs(x - y);  // keeps a NaN
+    }
+  return difference <= kSamePlace * extent;
 }
 
 bool congruent(const LocalSystem& a, const LocalSystem& b) {
@@ -29,8 +78,22 @@ bool congruent(const LocalSystem& a, const LocalSystem& b) {
 
 void LocalSystems::assemble(const std::vector<Subdomain>& subdomains, const std::vector<IsotropicMaterial>& materials,
                             Formulation formulation) {
+  systems_.clear();
   systems_.resize(subdomains.size());
+  copyOf_.assign(subdomains.size(), -1);
+  std::map<std::vector<std::size_t>, std::vector<int>> bySize;  // cheap hash: nodes, elements of the groups
   for (std::size_t i = 0; i < subdomains.size(); ++i) {
+    auto& candidates = bySize[sizesOf(subdomains[i])];
+    for (int c : candidates)
+      if (isTranslatedCopy(subdomains[c], subdomains[i])) {
+        copyOf_[i] = c;
+        break;
+      }
+    if (copyOf_[i] >= 0) {
+      systems_[i].R = systems_[copyOf_[i]].R;
+      continue;
+    }
+    candidates.push_back(int(i));
     systems_[i].K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
     systems_[i].R = rigidBodyModes(subdomains[i].coordinates, {});
   }
@@ -41,18 +104,24 @@ void LocalSystems::findClasses() {
   members_.clear();
   std::map<std::pair<Eigen::Index, Eigen::Index>, std::vector<int>> bySize;  // cheap hash: rows, nonzeros
   for (int i = 0; i < size(); ++i) {
-    auto& candidates = bySize[{systems_[i].K.rows(), systems_[i].K.nonZeros()}];
-    int found = -1;
-    for (int c : candidates)
-      if (congruent(systems_[representative_[c]], systems_[i])) {
-        found = c;
-        break;
-      }
+    int found = copyOf_[i] >= 0 ? systems_[copyOf_[i]].congruenceClass : -1;
     if (found < 0) {
-      found = numClasses();
-      representative_.push_back(i);
-      members_.emplace_back();
-      candidates.push_back(found);
+      auto& candidates = bySize[{systems_[i].K.rows(), systems_[i].K.nonZeros()}];
+      for (int c : candidates)
+        if (congruent(systems_[representative_[c]], systems_[i])) {
+          found = c;
+          copyOf_[i] = representative_[c];
+          systems_[i].K = {};
+          break;
+        }
+      if (found < 0) {
+        found = numClasses();
+        representative_.push_back(i);
+        members_.emplace_back();
+        candidates.push_back(found);
+      }
+    } else {
+      copyOf_[i] = representative_[found];
     }
     systems_[i].congruenceClass = found;
     members_[found].push_back(i);
@@ -62,28 +131,134 @@ void LocalSystems::findClasses() {
 void LocalSystems::factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method) {
   findClasses();
   solvers_.clear();
+  condensed_.clear();
   for (int i : representative_)
     solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method));
 }
 
+void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method,
+                          LocalDual dual, double mayUse) {
+  findClasses();
+  solvers_.clear();
+  solvers_.resize(representative_.size());
+  condensed_.clear();
+  condensed_.resize(representative_.size());
+  denseBytes_ = 0;
+  for (int c = 0; c < numClasses(); ++c) {
+    const int i = representative_[c];
+    if (dual != LocalDual::Implicit) {
+      const auto boundary = boundaryOf(c, subdomains, jump);
+      const auto prediction = predictLocalCost(double(systems_[i].K.rows()), double(boundary.size()), members_[c].size());
+      const bool wanted = dual == LocalDual::Explicit ||
+                          (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
+      if (wanted) makeCondensation(c, boundary, LocalCondensation::Scope::Both);
+    }
+    if (!condensed_[c])
+      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
+  }
+}
+
+void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains) {
+  findClasses();
+  condensed_.clear();
+  condensed_.resize(representative_.size());
+  for (int c = 0; c < numClasses(); ++c) {
+    const auto* like = pattern.condensationOf(pattern[representative_[c]].congruenceClass);
+    if (like) makeCondensation(c, like->boundary(), LocalCondensation::Scope::SchurOnly);
+  }
+}
+
+// Surface of the class and every unknown that a row of B touches in one of its members.
+std::vector<int> LocalSystems::boundaryOf(int c, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const {
+  std::vector<int> dofs = surfaceDofs(subdomains[representative_[c]]);
+  std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
+  for (int dof : dofs) on[dof] = 1;
+  const std::size_t before = dofs.size();
+  for (int member : members_[c])
+    for (int dof : jump.touchedDofs(member))
+      if (!on[dof]) {
+        on[dof] = 1;
+        dofs.push_back(dof);
+      }
+  if (dofs.size() > before) std::sort(dofs.begin(), dofs.end());
+  return dofs;
+}
+
+// A class that cannot be condensed (its surface does not hold its interior) stays with the sparse factor, which
+// regularises it or says what is wrong.
+void LocalSystems::makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope) {
+  const LocalSystem& system = systems_[representative_[c]];
+  try {
+    condensed_[c] = std::make_unique<LocalCondensation>(system.K, system.R, boundary, members_[c].size(), scope);
+  } catch (const std::runtime_error&) {
+    return;
+  }
+  denseBytes_ += LocalCondensation::cost(double(system.K.rows()), double(boundary.size()), members_[c].size()).bytes;
+  if (scope == LocalCondensation::Scope::Both) localSolves_ += long(boundary.size());
+}
+
+int LocalSystems::numCondensed() const {
+  int count = 0;
+  for (std::size_t c = 0; c < condensed_.size(); ++c)
+    if (condensed_[c]) count += int(members_[c].size());
+  return count;
+}
+
+const char* LocalSystems::methodName() const {
+  for (const auto& solver : solvers_)
+    if (solver) return solver->methodName();
+  return "dense";
+}
+
+void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
+  const auto& members = members_[c];
+  const Eigen::Index n = systems_[members.front()].K.rows();
+  for (std::size_t first = 0; first < members.size(); first += kBlock) {
+    const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
+    Eigen::MatrixXd B(n, width), X(n, width);
+    for (int j = 0; j < width; ++j) B.col(j) = Eigen::Map<const Eigen::VectorXd>(f + offsets[members[first + j]], n);
+    if (const auto* condensed = condensationOf(c)) condensed->solve(B, X);
+    else solvers_[c]->solve(B, X);
+    for (int j = 0; j < width; ++j) Eigen::Map<Eigen::VectorXd>(u + offsets[members[first + j]], n) = X.col(j);
+    localSolves_ += width;
+  }
+}
+
+void LocalSystems::multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
+  const auto& members = members_[c];
+  const auto& dofs = condensed_[c]->boundary();
+  const Eigen::Index nb = Eigen::Index(dofs.size());
+  for (std::size_t first = 0; first < members.size(); first += kBlock) {
+    const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
+    Eigen::MatrixXd X(nb, width), Y(nb, width);
+    for (int j = 0; j < width; ++j) {
+      const double* from = f + offsets[members[first + j]];
+      for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = from[dofs[i]];
+    }
+    condensed_[c]->applyInverse(X, Y);
+    for (int j = 0; j < width; ++j) {
+      double* to = u + offsets[members[first + j]];
+      for (Eigen::Index i = 0; i < nb; ++i) to[dofs[i]] = Y(i, j);
+    }
+    localSolves_ += width;
+  }
+}
+
 void LocalSystems::applyPseudoInverse(const std::vector<std::size_t>& offsets, const MultiVector& f, MultiVector& u) const {
-  constexpr int kBlock = 64;  // right-hand sides at once: enough for BLAS 3, small enough for the cache
   for (std::size_t v = 0; v < f.getNumVectors(); ++v) {
     const auto fData = f.getData(v);
     const auto uData = u.getDataNonConst(v);
-    for (const auto& members : members_) {
-      const Eigen::Index n = systems_[members.front()].K.rows();
-      for (std::size_t first = 0; first < members.size(); first += kBlock) {
-        const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
-        Eigen::MatrixXd B(n, width), X(n, width);
-        for (int j = 0; j < width; ++j)
-          B.col(j) = Eigen::Map<const Eigen::VectorXd>(fData.getRawPtr() + offsets[members[first + j]], n);
-        solver(members.front()).solve(B, X);
-        for (int j = 0; j < width; ++j)
-          Eigen::Map<Eigen::VectorXd>(uData.getRawPtr() + offsets[members[first + j]], n) = X.col(j);
-        localSolves_ += width;
-      }
-    }
+    for (int c = 0; c < numClasses(); ++c) solveClass(c, offsets, fData.getRawPtr(), uData.getRawPtr());
+  }
+}
+
+void LocalSystems::applyOnSurface(const std::vector<std::size_t>& offsets, const MultiVector& f, MultiVector& u) const {
+  for (std::size_t v = 0; v < f.getNumVectors(); ++v) {
+    const auto fData = f.getData(v);
+    const auto uData = u.getDataNonConst(v);
+    for (int c = 0; c < numClasses(); ++c)
+      if (condensationOf(c)) multiplyClass(c, offsets, fData.getRawPtr(), uData.getRawPtr());
+      else solveClass(c, offsets, fData.getRawPtr(), uData.getRawPtr());
   }
 }
 

@@ -5,7 +5,9 @@
 #include <memory>
 #include <vector>
 
+#include "Haptos_JumpOperator.hpp"
 #include "Haptos_LinearElasticity.hpp"
+#include "Haptos_LocalCondensation.hpp"
 #include "Haptos_LocalSolver.hpp"
 #include "Haptos_Subdomain.hpp"
 #include "Haptos_Types_fwd.hpp"
@@ -14,10 +16,14 @@ namespace Haptos {
 
 /// \brief K and R of one subdomain; dof = 3 x local node + component.
 struct LocalSystem {
-  Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles
+  Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles; kept for one member of a class, see LocalSystems::stiffness
   Eigen::MatrixXd R;              ///< [n x 6], orthonormal columns, K R = 0
   int congruenceClass = 0;        ///< local to the rank; members share K, R and the factor
 };
+
+/// \brief How K^+ acts in an application of F: by solves with a sparse factor, by dense matrices on the surface, or
+/// for every class of congruent subdomains by what is predicted to be faster.
+enum class LocalDual { Automatic, Implicit, Explicit };
 
 /// \brief Stiffnesses, kernels and factors of this rank's subdomains.
 ///
@@ -27,33 +33,65 @@ class LocalSystems {
  public:
   LocalSystems() = default;
 
-  /// \brief Assembles K and R of every subdomain.  \throws InputError on an inverted element.
+  /// \brief Assembles K and R of every subdomain, once for those that are translated copies node by node.
+  /// \throws InputError on an inverted element.
   void assemble(const std::vector<Subdomain>& subdomains, const std::vector<IsotropicMaterial>& materials,
                 Formulation formulation);
 
   /// \brief Finds congruent subdomains; part of `factor`, enough where only K is wanted.
   void findClasses();
 
-  /// \brief Finds congruent subdomains and factors one of each class.
+  /// \brief Finds congruent subdomains and factors or condenses one of each class.
+  ///
+  /// \param jump rows of B, whose unknowns a condensed subdomain keeps beside its surface
+  /// \param mayUse bytes that dense matrices may take on this rank, as far as `dual` leaves the choice
+  void factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method, LocalDual dual,
+              double mayUse = 4e9);
+
+  /// \brief Factors every class by `method`, without dense matrices.
   void factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method);
+
+  /// \brief Finds congruent subdomains and forms S alone, where `pattern`, factored, has dense matrices.
+  void condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains);
 
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
-  const LocalSolver& solver(int i) const { return *solvers_[systems_[i].congruenceClass]; }
+  /// \brief K of a subdomain, that of its class's first member.
+  const Eigen::SparseMatrix<double>& stiffness(int i) const { return systems_[copyOf_[i] >= 0 ? copyOf_[i] : i].K; }
+  /// \brief Factor of a class, null where it is condensed.
+  const LocalSolver* solverOf(int congruenceClass) const { return solvers_[congruenceClass].get(); }
+  /// \brief Dense matrices of a class; null where it is factored, or before both.
+  const LocalCondensation* condensationOf(int congruenceClass) const {
+    return condensed_.empty() ? nullptr : condensed_[congruenceClass].get();
+  }
+  int numCondensed() const;  ///< subdomains with dense matrices
+  double denseBytes() const { return denseBytes_; }  ///< of all dense matrices
+  const char* methodName() const;  ///< of the first factor; "dense" where there is none
   const std::vector<std::vector<int>>& members() const { return members_; }  ///< [classes] local subdomains
 
   /// \brief U := K^+ F for vectors on the primal map; `offsets` [size + 1] locates the subdomains.
   void applyPseudoInverse(const std::vector<std::size_t>& offsets, const MultiVector& f, MultiVector& u) const;
 
-  /// \brief Vectors that went through a K^+ so far.
+  /// \brief U := K^+ F where F is zero off the rows of B, and U is wanted there only; elsewhere U may keep what it has.
+  void applyOnSurface(const std::vector<std::size_t>& offsets, const MultiVector& f, MultiVector& u) const;
+
+  /// \brief Vectors that went through a K^+ so far, those of the dense matrices' construction among them.
   long localSolves() const { return localSolves_; }
 
  private:
   std::vector<LocalSystem> systems_;
+  std::vector<int> copyOf_;                 // [subdomains] an earlier one with the same K, which this one then lacks; or -1
   std::vector<int> representative_;         // [classes] local subdomain
   std::vector<std::vector<int>> members_;   // [classes]
-  std::vector<std::unique_ptr<LocalSolver>> solvers_;  // [classes]
+  void solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
+  void multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
+  std::vector<int> boundaryOf(int c, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const;
+  void makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope);
+
+  std::vector<std::unique_ptr<LocalSolver>> solvers_;           // [classes] null where condensed
+  std::vector<std::unique_ptr<LocalCondensation>> condensed_;  // [classes] null where factored
+  double denseBytes_ = 0;
   mutable long localSolves_ = 0;
 };
 

@@ -5,6 +5,8 @@
 #include <Tpetra_Core.hpp>
 
 #include "FetiScene.hpp"
+#include "Haptos_RigidBodyModes.hpp"
+#include "Haptos_SubdomainSurface.hpp"
 
 namespace {
 
@@ -35,14 +37,16 @@ int numClasses(Scene& scene) {
 
 // The dense matrix knows nothing of ranks, so F is the same on any number of them.
 TEUCHOS_UNIT_TEST(DualOperator, EqualsDenseBKpBT) {
-  for (int subdomains : {3, 7}) {
-    const Scene scene = makeScene(heldScene(subdomains));
-    const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
-    const Dense F = denseOf(*feti.F), reference = denseF(scene);
-    TEST_ASSERT(largest(reference) > 1e-3);
-    TEST_ASSERT(largest(F - reference) < 1e-11 * largest(reference));
-    TEST_EQUALITY(feti.F->applications(), long(scene.rows.numRows()));
-  }
+  for (int subdomains : {3, 7})
+    for (auto dual : {LocalDual::Implicit, LocalDual::Explicit}) {
+      const Scene scene = makeScene(heldScene(subdomains));
+      const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene, dual);
+      TEST_EQUALITY(feti.systems->numCondensed(), dual == LocalDual::Explicit ? feti.systems->size() : 0);
+      const Dense F = denseOf(*feti.F), reference = denseF(scene);
+      TEST_ASSERT(largest(reference) > 1e-3);
+      TEST_ASSERT(largest(F - reference) < 1e-11 * largest(reference));
+      TEST_EQUALITY(feti.F->applications(), long(scene.rows.numRows()));
+    }
 }
 
 TEUCHOS_UNIT_TEST(DualOperator, SymmetricAndPositiveSemidefinite) {
@@ -95,6 +99,7 @@ TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
   LocalSystems systems;
   systems.assemble(scene.subdomains, scene.materials, Formulation::Standard);
   systems.factor(scene.subdomains, LocalSolverMethod::Automatic);
+  TEST_EQUALITY(systems.numCondensed(), 0);
   std::vector<std::size_t> offsets{0};
   for (const auto& sub : scene.subdomains) offsets.push_back(offsets.back() + sub.numDofs());
   const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(offsets.back()), 0, Tpetra::getDefaultComm(), Tpetra::LocallyReplicated));
@@ -111,4 +116,42 @@ TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
         TEST_ASSERT(std::abs(data[Eigen::Index(offsets[s]) + i] - reference(i, Eigen::Index(v))) < 1e-10 * largest(reference));
     }
   }
+}
+
+// K^+ of a condensed subdomain on all unknowns, and in blocks (a full matrix) as well as one by one (a packed one).
+TEUCHOS_UNIT_TEST(LocalCondensation, EqualsDensePseudoInverse) {
+  const Scene scene = makeScene(heldScene(3));
+  const auto K = denseStiffness(scene);
+  int withInterior = 0;
+  for (std::size_t s = 0; s < scene.subdomains.size(); ++s) {
+    const auto boundary = surfaceDofs(scene.subdomains[s]);
+    if (Eigen::Index(boundary.size()) < K[s].rows()) ++withInterior;
+    const Eigen::SparseMatrix<double> sparse = K[s].sparseView();
+    const Dense R = rigidBodyModes(scene.subdomains[s].coordinates, {}), reference = densePseudoInverse(K[s]), f = someColumns(K[s].rows(), 3);
+    for (std::size_t members : {1, 9}) {
+      const LocalCondensation condensed(sparse, R, boundary, members);
+      Dense u(f.rows(), f.cols());
+      condensed.solve(f, u);
+      TEST_ASSERT(largest(u - reference * f) < 1e-10 * largest(reference * f));
+      const Eigen::Index nb = Eigen::Index(boundary.size());
+      Dense P(nb, nb), expected(nb, nb);
+      condensed.applyInverse(Dense::Identity(nb, nb), P);
+      for (Eigen::Index i = 0; i < nb; ++i)
+        for (Eigen::Index j = 0; j < nb; ++j) expected(i, j) = reference(boundary[i], boundary[j]);
+      TEST_ASSERT(largest(P - expected) < 1e-10 * largest(expected));
+    }
+  }
+  TEST_ASSERT(withInterior > 0);
+}
+
+// A motion without energy that R lacks is refused, as it is by the sparse factor.
+TEUCHOS_UNIT_TEST(LocalCondensation, RefusesAnIncompleteKernel) {
+  const Scene scene = makeScene(heldScene(3));
+  const Eigen::SparseMatrix<double> K = denseStiffness(scene)[0].sparseView();
+  const Dense R = rigidBodyModes(scene.subdomains[0].coordinates, {}), five = R.leftCols(5);
+  const auto boundary = surfaceDofs(scene.subdomains[0]);
+  TEST_THROW(LocalCondensation(K, five, boundary, 1), std::runtime_error);
+  Dense wrong = R;
+  wrong.col(2).setOnes();
+  TEST_THROW(LocalCondensation(K, wrong, boundary, 1), std::runtime_error);
 }

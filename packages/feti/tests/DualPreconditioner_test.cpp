@@ -72,10 +72,12 @@ RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
 
 TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
   const Scene s = scene();
-  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s), dense = makeFeti(Tpetra::getDefaultComm(), s, LocalDual::Explicit);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
-    const Dense M = denseOf(*make(feti, kind)), reference = denseM(s, kind);
+    const Dense M = denseOf(*make(feti, kind)), single = denseOf(*make(dense, kind)), reference = denseM(s, kind);
     TEST_ASSERT(largest(M - reference) < 1e-10 * largest(reference));
+    TEST_ASSERT(largest(single - reference) < 1e-5 * largest(reference));
+    TEST_EQUALITY(largest(single - reference) > 1e-9 * largest(reference), kind == PreconditionerKind::Dirichlet);
   }
   TEST_ASSERT(largest(denseM(s, PreconditionerKind::Dirichlet) - denseM(s, PreconditionerKind::Lumped)) >
               1e-2 * largest(denseM(s, PreconditionerKind::Lumped)));  // the interiors are not empty

@@ -20,13 +20,13 @@ struct Feti {
   const RCP<const Map> map() const { return dealt.jump->getRangeMap(); }
 };
 
-inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene) {
+inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene, LocalDual dual = LocalDual::Implicit) {
   Feti feti;
   feti.comm = comm;
   feti.dealt = deal(comm, scene);
   feti.systems = Teuchos::rcp(new LocalSystems);
   feti.systems->assemble(feti.dealt.mine, scene.materials, Formulation::Standard);
-  feti.systems->factor(feti.dealt.mine, LocalSolverMethod::Automatic);
+  feti.systems->factor(feti.dealt.mine, *feti.dealt.jump, LocalSolverMethod::Automatic, dual);
   feti.F = Teuchos::rcp(new DualOperator(feti.dealt.jump, feti.systems));
   feti.G = Teuchos::rcp(new NaturalCoarseSpace(feti.dealt.jump, *feti.systems, scene.partition.count));
   return feti;

@@ -116,7 +116,7 @@ double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>
   const auto x = u.getData(0);
   double mine = 0, all = 0;
   for (int i = 0; i < systems.size(); ++i) {
-    const auto& K = systems[i].K;
+    const auto& K = systems.stiffness(int(i));
     for (Eigen::Index column = 0; column < K.cols(); ++column) {  // K is symmetric: rows are columns
       double sum = 0;
       for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it)

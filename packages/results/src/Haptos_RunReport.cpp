@@ -27,6 +27,8 @@ Json modelBlock(const ModelReport& model) {
           {"law", model.law},
           {"formulation", model.formulation},
           {"local_solver", model.localSolver},
+          {"explicit_subdomains", model.explicitSubdomains},
+          {"explicit_memory_mb", model.explicitMemoryMb},
           {"preconditioner", model.preconditioner},
           {"left_out", model.leftOut},
           {"notes", model.notes}};

@@ -14,6 +14,8 @@ struct ModelReport {
   int bodies = 0;
   int subdomains = 0;
   int congruenceClasses = 0;
+  int explicitSubdomains = 0;   ///< whose F and S are dense matrices
+  double explicitMemoryMb = 0;  ///< of those, over all ranks
   long primalUnknowns = 0;   ///< n
   long dualUnknowns = 0;     ///< n_d
   long kernelDimension = 0;  ///< l

@@ -112,7 +112,10 @@ void FetiSystem::assemble() {
   requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
 }
 
-void FetiSystem::factor(LocalSolverMethod method) { systems_->factor(model_.subdomains, method); }
+void FetiSystem::factor(LocalSolverMethod method, LocalDual dual) {
+  const double mayUse = 0.5 * physicalMemoryBytes() / double(model_.comm->getSize());  // as if all ranks shared one machine
+  systems_->factor(model_.subdomains, *jump_, method, dual, mayUse);
+}
 
 void FetiSystem::formDual(const CoarseOptions& coarse) {
   const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
@@ -134,7 +137,8 @@ void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod m
   if (capped) {
     systems = Teuchos::rcp(new LocalSystems);
     systems->assemble(model_.subdomains, materials, model_.data.formulation);
-    systems->findClasses();
+    if (kind == PreconditionerKind::Dirichlet) systems->condenseLike(*systems_, model_.subdomains);
+    else systems->findClasses();
   }
   preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, model_.subdomains, kind, method));
 }

@@ -20,7 +20,8 @@ class FetiSystem {
 
   /// \throws InputError, InsufficientModel on all ranks
   void assemble();
-  void factor(LocalSolverMethod method);
+  /// \param dual how K^+ is applied, see `LocalDual`; dense matrices take at most half the machine's memory
+  void factor(LocalSolverMethod method, LocalDual dual);
   void formDual(const CoarseOptions& coarse = {});
   void makePreconditioner(PreconditionerKind kind, LocalSolverMethod method);
 

@@ -24,6 +24,11 @@ LocalSolverMethod localMethod(const ParameterList& parameters) {
   return method == "CHOLMOD" ? LocalSolverMethod::Cholmod : method == "KLU2" ? LocalSolverMethod::Klu2 : LocalSolverMethod::Automatic;
 }
 
+LocalDual localDual(const ParameterList& parameters) {
+  const auto dual = parameters.sublist("Local Solver").get<std::string>("Dual Operator");
+  return dual == "Implicit" ? LocalDual::Implicit : dual == "Explicit" ? LocalDual::Explicit : LocalDual::Automatic;
+}
+
 std::string formatted(const char* format, double value) {
   char text[64];
   std::snprintf(text, sizeof text, format, value);
@@ -158,6 +163,18 @@ void Simulation::describeModel() {
   report_.interfaceNames = model_->data.interfaceNames;
 }
 
+void Simulation::describeLocalSystems() {
+  const LocalSystems& systems = system_->systems();
+  ModelReport& m = report_.model;
+  m.congruenceClasses = systems.numClasses();
+  m.localSolver = systems.size() > 0 ? systems.methodName() : "";
+  const double mine[2] = {double(systems.numCondensed()), systems.denseBytes() / (1 << 20)};
+  double all[2];
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, 2, mine, all);
+  m.explicitSubdomains = int(all[0]);
+  m.explicitMemoryMb = all[1];
+}
+
 std::unique_ptr<ContactSolver> Simulation::makeSolver() {
   const auto& list = parameters_.sublist("Solver");
   std::string method = list.get<std::string>("Method");
@@ -191,10 +208,8 @@ Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u)
 SimulationResult Simulation::solve() {
   {
     const auto scope = clock_.time(Phase::Factor);
-    system_->factor(localMethod(parameters_));
-    comm_->barrier();
-    report_.model.congruenceClasses = system_->systems().numClasses();
-    report_.model.localSolver = system_->systems().size() > 0 ? system_->systems().solver(0).methodName() : "";
+    system_->factor(localMethod(parameters_), localDual(parameters_));
+    describeLocalSystems();
   }
   {
     const auto scope = clock_.time(Phase::Coarse);

@@ -52,6 +52,7 @@ class Simulation {
 
  private:
   void describeModel();
+  void describeLocalSystems();
   std::unique_ptr<ContactSolver> makeSolver();
   Accuracy checkSolution(const DualSolution& solution, RCP<Vector>& u) const;
   void tell(const std::string& text) const;

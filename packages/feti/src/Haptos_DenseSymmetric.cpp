@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DenseSymmetric.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <Teuchos_BLAS.hpp>
+#include <Teuchos_LAPACK.hpp>
+#include <algorithm>
+
+// Not in Teuchos::BLAS.
+extern "C" {
+void dspmv_(const char* uplo, const int* n, const double* alpha, const double* ap, const double* x, const int* incx,
+            const double* beta, double* y, const int* incy);
+void sspmv_(const char* uplo, const int* n, const float* alpha, const float* ap, const float* x, const int* incx,
+            const float* beta, float* y, const int* incy);
+void dsyr2k_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
+             const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
+void dtpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* ap, double* x, const int* incx);
+}
+
+namespace Haptos {
+namespace {
+
+const int kOne = 1;
+
+int leading(const Eigen::MatrixXd& A) { return std::max(1, int(A.outerStride())); }
+
+template <class Scalar>
+std::vector<Scalar> pack(const Eigen::MatrixXd& lower, double factor) {
+  const Eigen::Index n = lower.rows();
+  std::vector<Scalar> packed(std::size_t(n) * std::size_t(n + 1) / 2);
+  Scalar* to = packed.data();
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = j; i < n; ++i) *to++ = Scalar(factor * lower(i, j));
+  return packed;
+}
+
+template <class Scalar>
+std::vector<Scalar> unfold(const Eigen::MatrixXd& lower, double factor) {
+  const Eigen::Index n = lower.rows();
+  std::vector<Scalar> full(std::size_t(n) * std::size_t(n));
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = j; i < n; ++i) full[std::size_t(j * n + i)] = full[std::size_t(i * n + j)] = Scalar(factor * lower(i, j));
+  return full;
+}
+
+}  // namespace
+
+namespace Lapack {
+
+bool choleskyInPlace(Eigen::MatrixXd& A) {
+  if (A.rows() == 0) return true;
+  int info = 0;
+  Teuchos::LAPACK<int, double>().POTRF('L', int(A.rows()), A.data(), leading(A), &info);
+  return info == 0;
+}
+
+void invertFromCholesky(Eigen::MatrixXd& L) {
+  if (L.rows() == 0) return;
+  int info = 0;
+  Teuchos::LAPACK<int, double>().POTRI('L', int(L.rows()), L.data(), leading(L), &info);
+  TEUCHOS_ASSERT_EQUALITY(info, 0);
+}
+
+void solveLower(const Eigen::MatrixXd& L, Eigen::MatrixXd& B) {
+  if (B.size() == 0) return;
+  Teuchos::BLAS<int, double>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG,
+                                    int(B.rows()), int(B.cols()), 1.0, L.data(), leading(L), B.data(), leading(B));
+}
+
+void subtractGram(const Eigen::MatrixXd& A, Eigen::MatrixXd& C) {
+  if (A.size() == 0) return;
+  Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, int(A.cols()), int(A.rows()), -1.0, A.data(), leading(A),
+                                    1.0, C.data(), leading(C));
+}
+
+void addSymmetricProduct(double alpha, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& C) {
+  if (A.size() == 0) return;
+  const int n = int(A.rows()), k = int(A.cols()), lda = leading(A), ldb = leading(B), ldc = leading(C);
+  const double one = 1;
+  dsyr2k_("L", "N", &n, &k, &alpha, A.data(), &lda, B.data(), &ldb, &one, C.data(), &ldc);
+}
+
+}  // namespace Lapack
+
+DenseSymmetric::DenseSymmetric(const Eigen::MatrixXd& lower, Storage storage, Precision precision)
+    : n_(lower.rows()), storage_(storage) {
+  TEUCHOS_ASSERT(lower.rows() == lower.cols());
+  const bool packed = storage == Storage::Packed;
+  if (precision == Precision::Double) {
+    doubles_ = packed ? pack<double>(lower, 1) : unfold<double>(lower, 1);
+    return;
+  }
+  for (Eigen::Index j = 0; j < n_; ++j) scale_ = std::max(j == 0 ? 0.0 : scale_, std::abs(lower(j, j)));
+  if (scale_ == 0) scale_ = 1;
+  singles_ = packed ? pack<float>(lower, 1 / scale_) : unfold<float>(lower, 1 / scale_);
+}
+
+void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+  TEUCHOS_ASSERT(X.rows() == n_ && Y.rows() == n_ && X.cols() == Y.cols());
+  if (X.size() == 0) return;
+  if (!singles_.empty()) return applySingle(X, Y);
+  const int n = int(n_);
+  const double one = 1, zero = 0;
+  if (storage_ == Storage::Full) {
+    Teuchos::BLAS<int, double>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, int(X.cols()), n, one, doubles_.data(), n, X.data(),
+                                      int(X.outerStride()), zero, Y.data(), int(Y.outerStride()));
+    return;
+  }
+  for (Eigen::Index j = 0; j < X.cols(); ++j)
+    dspmv_("L", &n, &one, doubles_.data(), X.col(j).data(), &kOne, &zero, Y.col(j).data(), &kOne);
+}
+
+void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+  const int n = int(n_), m = int(X.cols());
+  const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
+  Eigen::MatrixXf x = (X / unit).cast<float>(), y(n_, X.cols());
+  const float one = 1, zero = 0;
+  if (storage_ == Storage::Full)
+    Teuchos::BLAS<int, float>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, m, n, one, singles_.data(), n, x.data(), n, zero,
+                                     y.data(), n);
+  else
+    for (int j = 0; j < m; ++j) sspmv_("L", &n, &one, singles_.data(), x.col(j).data(), &kOne, &zero, y.col(j).data(), &kOne);
+  Y = y.cast<double>() * (scale_ * unit);
+}
+
+Eigen::VectorXd DenseSymmetric::diagonal() const {
+  Eigen::VectorXd d(n_);
+  std::size_t at = 0;
+  for (Eigen::Index j = 0; j < n_; ++j) {
+    d[j] = singles_.empty() ? doubles_[at] : scale_ * double(singles_[at]);
+    at += storage_ == Storage::Packed ? std::size_t(n_ - j) : std::size_t(n_ + 1);
+  }
+  return d;
+}
+
+std::size_t DenseSymmetric::bytes(Eigen::Index n, Storage storage, Precision precision) {
+  const std::size_t entries = storage == Storage::Packed ? std::size_t(n) * std::size_t(n + 1) / 2 : std::size_t(n) * std::size_t(n);
+  return entries * (precision == Precision::Double ? sizeof(double) : sizeof(float));
+}
+
+PackedCholesky::PackedCholesky(const Eigen::MatrixXd& L) : n_(L.rows()), entries_(pack<double>(L, 1)) {}
+
+void PackedCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
+  TEUCHOS_ASSERT(B.rows() == n_);
+  const int n = int(n_);
+  if (n == 0) return;
+  for (Eigen::Index j = 0; j < B.cols(); ++j) {
+    dtpsv_("L", "N", "N", &n, entries_.data(), B.col(j).data(), &kOne);
+    dtpsv_("L", "T", "N", &n, entries_.data(), B.col(j).data(), &kOne);
+  }
+}
+
+}  // namespace Haptos

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""Haptos beside PETSc, GetFEM and CalculiX on the same two beams, one core, CPU seconds.  See README.md."""
+import argparse
+import glob
+import json
+import os
+import pathlib
+import resource
+import shutil
+import subprocess
+import sys
+import tempfile
+
+HERE = pathlib.Path(__file__).resolve().parent
+INPUT = HERE / "beams.xml"
+PYTHON = "/usr/bin/python3" if os.path.exists("/usr/bin/python3") else sys.executable  # apt's modules are this one's
+ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1",
+              "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+BRICKS = {8: (2, 4), 12: (2, 6), 16: (2, 8), 20: (4, 5), 24: (4, 6), 32: (4, 8), 48: (8, 6)}  # N: k, p with k p = N
+
+
+def environment():
+    env = {**os.environ, **ONE_THREAD}
+    petsc = sorted(glob.glob("/usr/lib/petscdir/*/*/lib/python3/dist-packages"))
+    env["PYTHONPATH"] = os.pathsep.join(petsc + [env.get("PYTHONPATH", "")])
+    return env
+
+
+def available():
+    """What is installed; the rest is named and left out."""
+    env, found = environment(), set()
+    for name, module, package in (("PETSc", "petsc4py", "python3-petsc4py"), ("GetFEM", "getfem", "python3-getfem")):
+        if subprocess.run([PYTHON, "-c", "import numpy, " + module], env=env, capture_output=True, check=False).returncode == 0:
+            found.add(name)
+        else:
+            print("%s is missing: the Python module %s (Debian: %s)" % (name, module, package))
+    if shutil.which("ccx") or shutil.which("ccx_2.20"):
+        found.add("CalculiX")
+    else:
+        print("CalculiX is missing: the program ccx (Debian: calculix-ccx)")
+    return found
+
+
+def run_haptos(program, n, method, extra=()):
+    """Summary of one run with its CPU seconds: `cpu` in all, `fcs` those of factor, coarse and solve by their share of the wall."""
+    k, p = BRICKS[n]
+    with tempfile.TemporaryDirectory() as folder:
+        summary = os.path.join(folder, "s.json")
+        command = [program, str(INPUT), "--summary", summary, "--output", os.path.join(folder, "r.exo")]
+        for item in ("Mesh->Two Beams->Subdomains Per Edge=%d" % k, "Mesh->Two Beams->Elements Per Subdomain Edge=%d" % p,
+                     "Decomposition->Method=" + method, *extra):
+            command += ["--set", item]
+        before = resource.getrusage(resource.RUSAGE_CHILDREN)
+        subprocess.run(command, env=environment(), check=True, stdout=subprocess.DEVNULL)
+        after = resource.getrusage(resource.RUSAGE_CHILDREN)
+        result = json.loads(pathlib.Path(summary).read_text())
+    result["cpu"] = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    times = result["time"]
+    result["fcs"] = result["cpu"] * (times["factor"] + times["coarse"] + times["solve"]) / times["total"]
+    if result["solver"]["status"] != "converged":
+        sys.exit("Haptos did not converge: " + result["solver"]["reason"])
+    return result
+
+
+def run_peer(script, *arguments):
+    run = subprocess.run([PYTHON, str(HERE / script), *arguments], env=environment(), capture_output=True, text=True, check=False)
+    if run.returncode != 0:
+        print("  %s failed: %s" % (script, (run.stderr or run.stdout).strip().splitlines()[-1]))
+        return None
+    return json.loads(run.stdout.strip().splitlines()[-1])
+
+
+def verdict(ok):
+    return "holds" if ok else "DOES NOT HOLD"
+
+
+def compare_petsc(program, n):
+    peer = run_peer("peer_petsc.py", "-n", str(n))
+    if peer is None:
+        return
+    if not peer["residual"] < 1e-3:
+        print("  PETSc did not converge")
+        return
+    seconds = peer["setup"] + peer["solve"]
+    print("  PETSc CG+GAMG, tied, %d unknowns: set-up %.2f + solve %.2f s, %d iterations, true residual %.1e" %
+          (peer["unknowns"], peer["setup"], peer["solve"], peer["iterations"], peer["residual"]))
+    for method, goal in (("METIS", 1.5), ("Bricks", 0.7)):
+        ours = run_haptos(program, n, method)
+        print("  Haptos, frictional, %s: factor + coarse + solve %.2f s, %d multiplications, %d subdomains: %.2f times PETSc (goal %.1f)" %
+              (method, ours["fcs"], ours["solver"]["hessian_multiplications"], ours["model"]["subdomains"], ours["fcs"] / seconds, goal))
+
+
+def compare_contact(program, n, name, script, goal, tolerance):
+    peer = run_peer(script, str(n))
+    if peer is None:
+        return
+    ours = run_haptos(program, n, "METIS")
+    contact = ours["contact"]["interface"]
+    tangential = sum(f * f for f in contact["tangential_force"]) ** 0.5
+    difference = abs(peer["tangential_force"] / tangential - 1)
+    print("  %s %.2f s, Haptos in all %.2f s: %.1f times as fast (goal %d)" % (name, peer["total"], ours["cpu"], peer["total"] / ours["cpu"], goal))
+    print("    normal force %.3f against %.3f, tangential %.3f against %.3f: agreement of the latter within %.0f %% %s" %
+          (peer["normal_force"], contact["normal_force"], peer["tangential_force"], tangential, 100 * tolerance, verdict(difference < tolerance)))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--haptos", default=str(HERE.parents[2] / "build/release/bin/haptos"))
+    parser.add_argument("--elements", type=int, nargs="+", default=[16], choices=sorted(BRICKS), help="N, elements a unit length")
+    parser.add_argument("--peers", nargs="+", default=["PETSc", "GetFEM", "CalculiX"])
+    options = parser.parse_args()
+    found = available() & set(options.peers)
+    for n in options.elements:
+        print("N = %d" % n, flush=True)
+        if "PETSc" in found:
+            compare_petsc(options.haptos, n)
+        if "GetFEM" in found:
+            compare_contact(options.haptos, n, "GetFEM", "peer_getfem.py", 10, 0.05)
+        if "CalculiX" in found:
+            compare_contact(options.haptos, n, "CalculiX", "peer_calculix.py", 40, 0.05)
+
+
+if __name__ == "__main__":
+    main()
