@@ -10,6 +10,7 @@ CoarseProblem::CoarseProblem(const Communicator& comm, const CoarseRows& C, cons
   mine.addGram(C, q);
   const CoarseBlocks all = mine.sumOverRanks(comm);
   factor_ = std::make_unique<LocalSolverFactor>(all.toMatrix(C.cols(), holds, all.largestDiagonal()), LocalSolverMethod::Automatic);
+  factor_->releaseMatrix();
 }
 
 Eigen::MatrixXd CoarseProblem::solve(const Eigen::MatrixXd& b) const {
