@@ -35,6 +35,14 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   CholmodSolver(const CholmodSolver&) = delete;
   CholmodSolver& operator=(const CholmodSolver&) = delete;
 
+  /// \brief Lets A go after `numericFactorization`; only solves are possible then.
+  void releaseMatrix() {
+    this->matrixA_ = Teuchos::null;
+    starts_ = {};
+    indices_ = {};
+    values_ = {};
+  }
+
  private:
   int preOrdering_impl() { return 0; }  // CHOLMOD orders and analyses in one go
   int symbolicFactorization_impl();

@@ -73,6 +73,7 @@ LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::Matrix
   interiorKernelSize_ = Z.cols();
   auto Kii = regularizeByFixing(extract(K, interior, interior), Z, chooseFixingUnknowns(Z));
   interior_ = std::make_unique<LocalSolverFactor>(std::move(Kii), method);
+  interior_->releaseMatrix();
 }
 
 LocalSchur::~LocalSchur() = default;

@@ -38,6 +38,9 @@ class LocalSolver {
   /// B and X must not overlap.  May be called from several threads; they then wait for each other.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X, int refinements = 0) const;
 
+  /// \brief Frees K_reg; `regularized` and refinements are not to be had after it.
+  void releaseMatrix() { factor_.releaseMatrix(); }
+
   const Eigen::MatrixXd& kernel() const;         ///< R, n x k
   const std::vector<int>& fixingNodes() const;   ///< local node numbers, ascending
   LocalSolverFactor::MatrixView regularized() const;  ///< K_reg, valid as long as this object

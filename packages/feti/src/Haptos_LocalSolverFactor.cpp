@@ -73,6 +73,7 @@ struct LocalSolverFactor::Impl {
   RCP<const Map> map;
   RCP<const CrsMatrix> A;
   std::vector<int> starts;  // A's row starts as Eigen wants them
+  Eigen::Index rows = 0;
   RCP<AmesosSolver> solver;
   bool cholmod = false;
   std::unique_ptr<Columns> single;  // kept, as most solves have one column
@@ -92,6 +93,7 @@ LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverM
   const auto self = Teuchos::rcp(new Teuchos::SerialComm<int>());
   impl_->map = Teuchos::rcp(new Map(Tpetra::global_size_t(A.rows()), 0, self));
   impl_->A = copyMatrix(A, impl_->map);
+  impl_->rows = A.rows();
   impl_->starts.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
   impl_->cholmod = method == LocalSolverMethod::Cholmod || (method == LocalSolverMethod::Automatic && hasCholmod());
   impl_->solver = createSolver(impl_->A, impl_->cholmod);
@@ -111,9 +113,20 @@ void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen:
   impl_->solve(wide, B, X);
 }
 
-Eigen::Index LocalSolverFactor::rows() const { return Eigen::Index(impl_->starts.size()) - 1; }
+Eigen::Index LocalSolverFactor::rows() const { return impl_->rows; }
+
+void LocalSolverFactor::releaseMatrix() {
+#if defined(HAPTOS_OWN_CHOLMOD)
+  const auto own = Teuchos::rcp_dynamic_cast<CholmodSolver<CrsMatrix, MultiVector>>(impl_->solver);
+  if (own.is_null()) return;
+  own->releaseMatrix();
+  impl_->A = Teuchos::null;
+  impl_->starts = {};
+#endif
+}
 
 LocalSolverFactor::MatrixView LocalSolverFactor::matrix() const {
+  TEUCHOS_ASSERT(!impl_->A.is_null());
   const auto local = impl_->A->getLocalMatrixHost();
   return {rows(), rows(), Eigen::Index(local.nnz()), impl_->starts.data(), local.graph.entries.data(), local.values.data()};
 }

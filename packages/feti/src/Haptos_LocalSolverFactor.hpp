@@ -34,8 +34,11 @@ class LocalSolverFactor {
   /// several threads; they then wait for each other.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
+  /// \brief Frees A where the solver can do without it (CHOLMOD of ours); `matrix` must not be called after it.
+  void releaseMatrix();
+
   Eigen::Index rows() const;          ///< n
-  MatrixView matrix() const;          ///< A, valid as long as this object
+  MatrixView matrix() const;          ///< A, valid until it is released
   const char* methodName() const;     ///< "CHOLMOD" or "KLU2"
   std::size_t factorEntries() const;  ///< stored entries: of L for CHOLMOD, of L and U for KLU2
   Counts counts() const;

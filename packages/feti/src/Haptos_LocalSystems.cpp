@@ -153,8 +153,9 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
       if (wanted) makeCondensation(c, boundary, LocalCondensation::Scope::Both);
     }
-    if (!condensed_[c])
-      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
+    if (condensed_[c]) continue;
+    solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
+    solvers_[c]->releaseMatrix();  // K and the factor are kept
   }
 }
 
