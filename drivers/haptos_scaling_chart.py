@@ -20,7 +20,7 @@ def values(rows, key):
     return [float(row[key]) for row in rows]
 
 
-def label(axes, x, y, text, colour, offset=(0, 8)):
+def label(axes, x, y, text, colour, offset=(-22, 8)):
     axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", color=colour, fontsize=8, ha="center",
                   annotation_clip=False)
 
@@ -34,7 +34,7 @@ def ticks(axes, x):
 
 def draw_seconds(axes, rows):
     """Seconds of the solve over subdomains on one rank, and the part of them that goes into the coarse problem."""
-    for study, colour, text in (("subdomains-strong", ORANGE, "one mesh, 12 elements per edge"), ("subdomains-weak", BLUE, "4 elements per edge of a subdomain")):
+    for study, colour, text in (("subdomains-strong", ORANGE, "one mesh"), ("subdomains-weak", BLUE, "4 elements per edge")):
         own = [row for row in rows_of(rows, study) if row["oversubscribed"] == "0"]
         if not own:
             continue
@@ -42,8 +42,8 @@ def draw_seconds(axes, rows):
         coarse = [a + b for a, b in zip(values(own, "coarse_set_up_seconds"), values(own, "coarse_solve_seconds"))]
         axes.plot(x, y, "o-", color=colour, markersize=4)
         axes.plot(x, coarse, "o--", color=colour, markersize=3, linewidth=0.9)
-        label(axes, x[-1], y[-1], text, colour)
-    axes.set(yscale="log", xlabel="subdomains (one rank)", ylabel="solve [s]", title="Seconds; dashed: coarse problem")
+        label(axes, x[-1], y[-1], text, colour, (-40, 6) if study == "subdomains-weak" else (-120, 0))
+    axes.set(yscale="log", xlabel="subdomains (one rank)", ylabel="solve [s]", title="Seconds (dashed: coarse problem)")
     ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
 
 
@@ -53,7 +53,7 @@ def draw_multiplications(axes, rows):
         if own:
             x, y = values(own, "subdomains"), values(own, "multiplications")
             axes.plot(x, y, "o-", color=colour, markersize=4)
-            label(axes, x[-1], y[-1], text, colour)
+            label(axes, x[-1], y[-1], text, colour, (-30, 8) if study == "subdomains-weak" else (-22, -14))
     axes.set(ylim=(0, None), xlabel="subdomains (one rank)", ylabel="multiplications by F", title="Iterations")
     ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
 
@@ -75,7 +75,7 @@ def draw_bytes(axes, rows):
                             float(row["multiplications"]) / 1e3)
         axes.plot(x, expected, "x", color=BLACK, markersize=8)
         label(axes, x[-1], values(own, "kbytes_sent_per_multiplication")[-1], text, colour)
-    axes.set(ylim=(0, None), xlabel="ranks", ylabel="kB sent, largest rank", title="Bytes per multiplication; dashed: by B, cross: formula")
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="kB sent, largest rank", title="Bytes per multiplication\n(dashed: by B; cross: formula)")
     ticks(axes, [x for x in values(rows_of(rows, "ranks-strong"), "ranks") if x > 1])
 
 
@@ -85,8 +85,9 @@ def draw_reductions(axes, rows):
         if own:
             axes.plot(values(own, "ranks"), values(own, "reductions_per_multiplication"), "o-", color=colour, markersize=4)
             axes.plot(values(own, "ranks"), values(own, "largest_reductions_of_a_step"), "o--", color=colour, markersize=3, linewidth=0.9)
-            label(axes, float(own[-1]["ranks"]), float(own[-1]["reductions_per_multiplication"]), text, colour)
-    axes.set(ylim=(0, None), xlabel="ranks", ylabel="reductions", title="Reductions per multiplication; dashed: largest step")
+            offset = (-22, -13) if study == "ranks-weak" else (-22, 8)
+            label(axes, float(own[-1]["ranks"]), float(own[-1]["reductions_per_multiplication"]), text, colour, offset)
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="reductions", title="Reductions per multiplication\n(dashed: most of a step)")
     ticks(axes, [x for x in values(rows_of(rows, "ranks-strong"), "ranks") if x > 1])
 
 
@@ -95,18 +96,22 @@ def draw_memory(axes, rows):
         own = rows_of(rows, study)
         if own:
             axes.plot(values(own, "ranks"), values(own, "bytes_per_unknown"), "o-", color=colour, markersize=4)
-            label(axes, float(own[-1]["ranks"]), float(own[-1]["bytes_per_unknown"]), text, colour)
-    axes.set(ylim=(0, None), xlabel="ranks", ylabel="bytes per unknown", title="Memory of all ranks, beyond the empty program")
+            offset = (-70, -4) if study == "ranks-weak" else (-22, -14)
+            label(axes, float(own[-1]["ranks"]), float(own[-1]["bytes_per_unknown"]), text, colour, offset)
+    axes.set(ylim=(0, None), xlabel="ranks", ylabel="bytes per unknown", title="Memory of all ranks together,\nbeyond the empty program")
     ticks(axes, values(rows_of(rows, "ranks-strong"), "ranks"))
 
 
 def draw_coarse(axes, rows):
-    own = [row for row in rows_of(rows, "subdomains-weak")]
-    x = values(own, "subdomains")
-    axes.plot(x, [100 * (float(r["coarse_set_up_seconds"]) + float(r["coarse_solve_seconds"])) / float(r["solve_seconds"]) for r in own],
-              "o-", color=BLUE, markersize=4)
-    axes.set(ylim=(0, 100), xlabel="subdomains (one rank, 4 elements per edge)", ylabel="share of the solve [%]", title="Coarse problem")
-    ticks(axes, x)
+    for study, colour, text in (("subdomains-strong", ORANGE, "one mesh"), ("subdomains-weak", BLUE, "4 elements per edge")):
+        own = rows_of(rows, study)
+        if own:
+            x = values(own, "subdomains")
+            share = [100 * (float(r["coarse_set_up_seconds"]) + float(r["coarse_solve_seconds"])) / float(r["solve_seconds"]) for r in own]
+            axes.plot(x, share, "o-", color=colour, markersize=4)
+            label(axes, x[-1], share[-1], text, colour, (-6, 8))
+    axes.set(ylim=(0, 105), xlabel="subdomains (one rank)", ylabel="share of the solve [%]", title="Seconds of the coarse problem")
+    ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
 
 
 def draw(path, target, png):

@@ -20,8 +20,16 @@ KEYS = {
     "time": {name: NUMBER for name in ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover",
                                        "write", "total")},
     "memory": {"peak_rss_mb": list},
+    "coarse": {"unknowns": COUNT, "factors": COUNT, "blocks": COUNT, "factor_entries": COUNT, "set_ups": COUNT,
+               "set_up_seconds": NUMBER, "solves": COUNT, "solve_seconds": NUMBER, "solve_bytes": COUNT},
+    "communication": {name: list for name in ("reductions", "other_collectives", "messages", "message_bytes",
+                                              "collective_bytes", "bytes_sent")}
+                     | {"largest_of_phase": {"solve": {"reductions": COUNT, "bytes_sent": COUNT}},
+                        "jump": {"vectors": COUNT, "messages": list, "message_bytes": list},
+                        "jump_transposed": {"vectors": COUNT, "messages": list, "message_bytes": list}},
 }
-HISTORY = {"hessian_multiplications": COUNT, "residual": NUMBER, "stick": COUNT, "slip": COUNT, "open": COUNT}
+HISTORY = {"hessian_multiplications": COUNT, "residual": NUMBER, "stick": COUNT, "slip": COUNT, "open": COUNT,
+           "reductions": COUNT, "bytes_sent": COUNT}
 
 
 class Summary(SceneTest):
@@ -45,6 +53,10 @@ class Summary(SceneTest):
             self.assert_keys(summary, KEYS)
             self.assertEqual(summary["haptos"]["ranks"], ranks)
             self.assertEqual(len(summary["memory"]["peak_rss_mb"]), ranks)
+            sent = summary["communication"]
+            for name in ("reductions", "messages", "bytes_sent"):
+                self.assertEqual(len(sent[name]), ranks)
+                self.assertTrue(all((number > 0) == (ranks > 1) for number in sent[name]), sent[name])
             self.assertTrue(all(10 < peak < 2000 for peak in summary["memory"]["peak_rss_mb"]))
             self.assertTrue(summary["model"]["left_out"] and all(isinstance(t, str) for t in summary["model"]["left_out"]))
             self.assertEqual(len(summary["contact"]["joint"]["tangential_force"]), 3)

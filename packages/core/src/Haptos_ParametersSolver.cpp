@@ -56,7 +56,7 @@ ParameterTree coarseProblemSection() {
   section
       .add(ParameterSpec("Replicated Up To", {Type::Int},
                          "Coarse unknowns up to which every rank holds a factor; a larger one is shared by groups of ranks")
-               .defaultTo(20000)
+               .defaultTo(6000)
                .within(NumberRange::atLeast(0)))
       .add(ParameterSpec("Ranks Per Factor", {Type::Int}, "Ranks that share a factor then; 0 takes those of a node")
                .defaultTo(0)

@@ -9,7 +9,7 @@ namespace Haptos {
 
 /// \brief Where the factor of a coarse matrix lives.
 struct CoarseOptions {
-  int replicatedUpTo = 20000;  ///< coarse unknowns up to which every rank has a factor
+  int replicatedUpTo = 6000;  ///< coarse unknowns up to which every rank has a factor
   int ranksPerFactor = 0;      ///< beyond it: ranks that share one; 0: those of a node (of one shared memory)
 };
 

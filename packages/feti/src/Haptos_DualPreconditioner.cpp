@@ -36,6 +36,19 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
   }
 }
 
+void DualPreconditioner::applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const {
+  if (!schur_.empty()) {
+    schur_[congruenceClass]->apply(X, Y);
+    return;
+  }
+  const auto& dofs = boundary_[congruenceClass];
+  const auto& K = (*systems_)[systems_->members()[congruenceClass].front()].K;
+  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(K.rows(), X.cols());
+  for (std::size_t i = 0; i < dofs.size(); ++i) full.row(dofs[i]) = X.row(Eigen::Index(i));
+  const Eigen::MatrixXd product = K * full;
+  for (std::size_t i = 0; i < dofs.size(); ++i) Y.row(Eigen::Index(i)) = product.row(dofs[i]);
+}
+
 void DualPreconditioner::applyLocal(MultiVector& t) const {
   const auto& offsets = jump_->primalOffsets();
   const auto data = t.getDataNonConst(0);
@@ -48,35 +61,32 @@ void DualPreconditioner::applyLocal(MultiVector& t) const {
       Eigen::MatrixXd X(nb, width), Y(nb, width);
       for (int j = 0; j < width; ++j)
         for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = data[offsets[members[first + j]] + dofs[i]];
-      if (!schur_.empty()) {
-        schur_[c]->apply(X, Y);
-      } else {
-        const auto& K = (*systems_)[members.front()].K;
-        Eigen::MatrixXd full = Eigen::MatrixXd::Zero(K.rows(), width);
-        for (Eigen::Index i = 0; i < nb; ++i) full.row(dofs[i]) = X.row(i);
-        const Eigen::MatrixXd product = K * full;
-        for (Eigen::Index i = 0; i < nb; ++i) Y.row(i) = product.row(dofs[i]);
-      }
+      applySchur(int(c), X, Y);
       for (int j = 0; j < width; ++j)
         for (Eigen::Index i = 0; i < nb; ++i) data[offsets[members[first + j]] + dofs[i]] = Y(i, j);
     }
   }
 }
 
+void DualPreconditioner::applyScaled(const MultiVector& x, MultiVector& y, const std::function<void(MultiVector&)>& local) const {
+  MultiVector z(x, Teuchos::Copy), t(jump_->getDomainMap(), 1);
+  gram_.apply(z, z);
+  jump_->apply(z, t, Teuchos::TRANS);
+  const auto scale = [&] {
+    const auto data = t.getDataNonConst(0);
+    for (std::size_t i = 0; i < weights_.size(); ++i) data[i] *= weights_[i];
+  };
+  scale();
+  local(t);
+  scale();
+  jump_->apply(t, z);
+  gram_.apply(z, y);
+}
+
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    MultiVector z(*x.getVector(v), Teuchos::Copy), t(jump_->getDomainMap(), 1);
-    gram_.apply(z, z);
-    jump_->apply(z, t, Teuchos::TRANS);
-    const auto scale = [&] {
-      const auto data = t.getDataNonConst(0);
-      for (std::size_t i = 0; i < weights_.size(); ++i) data[i] *= weights_[i];
-    };
-    scale();
-    applyLocal(t);
-    scale();
-    jump_->apply(t, z);
-    gram_.apply(z, z);
+    MultiVector z(x.getMap(), 1);
+    applyScaled(*x.getVector(v), z, [this](MultiVector& t) { applyLocal(t); });
     y.getVectorNonConst(v)->update(alpha, z, beta);
     ++applications_;
   }

@@ -79,9 +79,10 @@ void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
   residual -= rows_ * Eigen::VectorXd(coarse_->solveSum(mine));
 }
 
-void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const {
-  const Eigen::VectorXd mine = rows_.transpose() * z;
-  z -= weights_.cwiseProduct(Eigen::VectorXd(rows_ * Eigen::VectorXd(coarse_->solveSum(mine))));
+void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const { z -= carry(rows_.transpose() * z); }
+
+Eigen::VectorXd ActiveCoarseProjection::carry(const Eigen::VectorXd& mine) const {
+  return weights_.cwiseProduct(Eigen::VectorXd(rows_ * Eigen::VectorXd(coarse_->solveSum(mine))));
 }
 
 }  // namespace Haptos

@@ -60,6 +60,9 @@ class ActiveCoarseProjection {
   void projectDual(Eigen::VectorXd& residual) const;  ///< Collective
   void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
 
+  /// \brief D G_A^T (G_A D G_A^T)^-1 (sum over ranks of `mine`): takes the force imbalance `mine` away.  Collective.
+  Eigen::VectorXd carry(const Eigen::VectorXd& mine) const;
+
  private:
   const Eigen::VectorXd& weights_;
   CoarseRows rows_;

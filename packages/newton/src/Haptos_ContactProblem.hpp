@@ -22,6 +22,7 @@ struct ContactOperators {
   RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
   RCP<const Vector> h;                ///< [length]
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
+  RCP<const Operator> contactM;       ///< M between contact rows, cheaper than M; null: M itself is used
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular

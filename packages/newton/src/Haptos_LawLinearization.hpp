@@ -34,6 +34,7 @@ struct TangentialModes {
   /// \param stiffness k: the preconditioner's nodal stiffness [force/length]
   static TangentialModes of(const Eigen::Matrix3d& dP, double r, double stiffness);
   bool isHeld(int mode) const { return sigma[mode] < kHeld; }
+  bool isPartial(int mode) const { return sigma[mode] < 1 - kHeld; }  ///< the law gives way
   static constexpr double kHeld = 1e-13;
 };
 

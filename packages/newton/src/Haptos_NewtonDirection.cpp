@@ -23,9 +23,9 @@ double globalMedian(const Communicator& comm, const std::vector<double>& values)
   return n % 2 == 1 ? all[n / 2] : 0.5 * (all[n / 2 - 1] + all[n / 2]);
 }
 
-NewtonDirection::NewtonDirection(const ContactOperators& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM,
-                                 const DualVectors& vectors, const GluingBalance& balance)
-    : dual_(dual), M_(M), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM) {
+NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
+                                 const GluingBalance& balance)
+    : dual_(dual), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM), preconditioner_(dual, vectors, stiffness_) {
   const Eigen::VectorXd contact = vectors.contact(stiffness_);
   std::vector<double> normal, all;
   for (Eigen::Index i = 0; i < vectors.numPairs(); ++i)
@@ -42,15 +42,28 @@ double NewtonDirection::tangentialStiffness(const PairLaw& pair) const {
   return 0.5 * (stiffness_[pair.tangential[0]] + stiffness_[pair.tangential[1]]);
 }
 
+// The projection may stand on a law a little older: what it leaves is balanced by the law of the day.
+bool NewtonDirection::coarseIsStale(const LawLinearization& law) const {
+  constexpr double kChange = 0.1;  // of P', whose eigenvalues lie in [0, 1]
+  if (!coarse_ || preparedFor_.size() != law.dP.size()) return true;
+  double squares = 0;
+  for (std::size_t i = 0; i < law.dP.size(); ++i) {
+    if (law.closed[i] != preparedClosed_[i]) return true;
+    squares = std::max(squares, (law.dP[i] - preparedFor_[i]).squaredNorm());
+  }
+  return squares > kChange * kChange;
+}
+
 void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
-  double changed = isPrepared_ && preparedFor_ == law.dP ? 0.0 : 1.0;
-  if (vectors_.sum(changed) == 0.0) return;  // all ranks or none: building it communicates
-  preparedFor_ = law.dP;
-  isPrepared_ = true;
   modes_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
-  coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds());
+  preconditioner_.prepare(pairs, law, modes_);
+  if (vectors_.sum(coarseIsStale(law) ? 1.0 : 0.0) == 0.0) return;  // all ranks or none: building it communicates
+  preparedFor_ = law.dP;
+  preparedClosed_ = law.closed;
+  auto coarse = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
+  coarse_ = std::move(coarse);
 }
 
 Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {
@@ -62,7 +75,11 @@ Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, con
     if (!law.tangential[i]) continue;
     const TangentialModes& m = modes_[i];
     Eigen::Vector2d t = -(m.E.transpose() * point.phi.segment<2>(at + 1));  // stick: the slip itself
-    for (int k = 0; k < 2; ++k) t[k] *= std::sqrt(m.theta[k]) / std::max(m.sigma[k], 1e-14);
+    const Eigen::Vector2d Pg = m.E.transpose() * law.dP[i].block<2, 1>(1, 0);
+    for (int k = 0; k < 2; ++k) {
+      if (law.closed[i] && m.isPartial(k)) t[k] -= Pg[k] * point.s[pairs[i].normal];  // the part of dN that is not dlambda_N
+      t[k] *= std::sqrt(m.theta[k]) / std::max(m.sigma[k], 1e-14);
+    }
     contact.segment<2>(at + 1) = m.E * t;
   }
   vectors_.setContact(result, contact);
@@ -75,29 +92,39 @@ Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, co
   Eigen::VectorXd out = -lambda;  // open pairs let go
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Index at = 3 * Eigen::Index(i);
-    double dN = 0;
+    double dLambdaN = 0, dN = 0;
     if (law.closed[i]) {
-      out[at] = zc[at];
+      out[at] = dLambdaN = zc[at];
       dN = zc[at] - law.r * s[at];  // change of lambda_N + r s_N, with s_N going to 0
     }
     if (!law.tangential[i]) continue;
     const TangentialModes& m = modes_[i];
-    const double stiffness = tangentialStiffness(pairs[i]);
-    const Eigen::Vector2d byNormal = m.E.transpose() * law.dP[i].block<2, 1>(1, 0) * dN;
+    const Eigen::Vector2d Pg = m.E.transpose() * law.dP[i].block<2, 1>(1, 0);
     const Eigen::Vector2d phi = m.E.transpose() * point.phi.segment<2>(at + 1);
     Eigen::Vector2d t = m.E.transpose() * zc.segment<2>(at + 1);
     for (int k = 0; k < 2; ++k) {
       if (m.isHeld(k)) {
-        t[k] = byNormal[k] - law.r * phi[k];
+        t[k] = Pg[k] * dN - law.r * phi[k];
       } else {
         t[k] *= std::sqrt(m.theta[k]);
-        const double regular = (1 - m.sigma[k]) + law.r * m.sigma[k] / stiffness;
-        if (m.sigma[k] < 1 - 1e-13) t[k] += byNormal[k] / regular;
+        if (m.isPartial(k)) t[k] += Pg[k] / (1 - m.sigma[k]) * dLambdaN;  // along the generator of the friction cone
       }
     }
     out.segment<2>(at + 1) = m.E * t;
   }
   return out;
+}
+
+// Slip drags tangential forces along with normal ones, which unbalances the subdomains again.  Their balance is
+// restored by all active rows, as the law allows; by the gluing rows alone it costs half of the convergence.
+void NewtonDirection::balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, Eigen::VectorXd& z) const {
+  constexpr int kSweeps = 2;  // each leaves about a tenth, the coefficient of friction times the coupling
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(z.size()), noPhi = Eigen::VectorXd::Zero(law.phi.size());
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    Eigen::VectorXd change = -coarse_->carry(dual_.GT->transpose() * z);
+    vectors_.setContact(change, followLaw(pairs, law, {zero, zero, noPhi}, change));
+    z += change;
+  }
 }
 
 // Contact forces of the direction must not push floating bodies: what is left is spread by the law, then cleaned.
@@ -124,9 +151,11 @@ Eigen::VectorXd NewtonDirection::compute(const std::vector<PairLaw>& pairs, cons
   prepare(pairs, law);
   Eigen::VectorXd r = residual(pairs, law, point);
   coarse_->projectDual(r);
-  Eigen::VectorXd z = vectors_.apply(M_, r);
+  Eigen::VectorXd z = preconditioner_.apply(r);
   coarse_->projectPrimal(z);
-  Eigen::VectorXd contact = followLaw(pairs, law, point, z);
+  vectors_.setContact(z, followLaw(pairs, law, point, z));
+  balanceByLaw(pairs, law, z);
+  Eigen::VectorXd contact = vectors_.contact(z);
   holdFloatingBodies(law, contact);
   vectors_.setContact(z, contact);
   balance_.balance(z);

@@ -3,17 +3,18 @@
 #include <memory>
 
 #include "Haptos_BalanceProjections.hpp"
+#include "Haptos_CompliantPreconditioner.hpp"
 
 namespace Haptos {
 
-/// \brief The preconditioned Newton residual: one direction for the multipliers, one application of M.
+/// \brief The preconditioned Newton residual: one direction for the multipliers, two applications of M.
 ///
 /// Gluing rows take their jump, closed normal rows theirs, tangential rows the law's residual in the eigenvectors of
 /// P'; the active coarse projection stands on both sides of M.  What the law itself decides (open pairs, the slip
 /// direction) is set afterwards.
 class NewtonDirection {
  public:
-  NewtonDirection(const ContactOperators& dual, const Operator& M, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
+  NewtonDirection(const ContactOperators& dual, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
                   const GluingBalance& balance);
 
   /// \brief Where the direction is taken.
@@ -30,24 +31,26 @@ class NewtonDirection {
   double medianNormalStiffness() const { return medianStiffness_; }
 
  private:
+  bool coarseIsStale(const LawLinearization& law) const;
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law);
   Eigen::VectorXd residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const;
   Eigen::VectorXd followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
                             const Eigen::VectorXd& z) const;
+  void balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, Eigen::VectorXd& z) const;
   void holdFloatingBodies(const LawLinearization& law, Eigen::VectorXd& contact) const;
   double tangentialStiffness(const PairLaw& pair) const;
 
   const ContactOperators& dual_;
-  const Operator& M_;
   const DualVectors& vectors_;
   const GluingBalance& balance_;
   Eigen::VectorXd stiffness_;  ///< [rows] diag(M)
   Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
   double medianStiffness_ = 0;
   std::vector<Eigen::Matrix3d> preparedFor_;
-  bool isPrepared_ = false;
+  std::vector<char> preparedClosed_;
   std::vector<TangentialModes> modes_;
   std::unique_ptr<ActiveCoarseProjection> coarse_;
+  CompliantPreconditioner preconditioner_;
 };
 
 /// \brief Median of this rank's and all other ranks' values.  Collective.

@@ -6,8 +6,7 @@
 #include <cmath>
 #include <limits>
 
-#include "Haptos_ByteBuffer.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_StackedQr.hpp"
 
 namespace Haptos {
 namespace {
@@ -65,31 +64,10 @@ SubspaceNewtonIter::SmallSystem SubspaceNewtonIter::smallSystem(const LawLineari
   const Eigen::Index m = subspace_.size();
   Eigen::MatrixXd J(law.phi.size(), m + 1);
   J << law.multiply(subspace_.Vc(), subspace_.Sc()), -law.phi;
-  if (J.rows() > m + 1) {
-    Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(J);
-    J = Eigen::MatrixXd(J.topRows(m + 1).triangularView<Eigen::Upper>());
-  }
-  std::vector<Eigen::MatrixXd> parts{J};
-  if (vectors_.comm().getSize() > 1) {
-    parts.clear();
-    ByteWriter writer;
-    writer.write(std::vector<double>(J.data(), J.data() + J.size()));
-    for (const auto& message : gatherOnAll(vectors_.comm(), writer.take())) {
-      const auto values = ByteReader(message).readVector<double>();
-      parts.push_back(Eigen::Map<const Eigen::MatrixXd>(values.data(), Eigen::Index(values.size()) / (m + 1), m + 1));
-    }
-  }
-  Eigen::Index rows = m;
-  for (const auto& part : parts) rows += part.rows();
-  SmallSystem system{Eigen::MatrixXd(rows, m), Eigen::VectorXd(rows), {}};
-  system.M.topRows(m) = subspace_.R().triangularView<Eigen::Upper>();
-  system.rhs.head(m) = -gluing;
-  Eigen::Index at = m;
-  for (const auto& part : parts) {
-    system.M.middleRows(at, part.rows()) = part.leftCols(m);
-    system.rhs.segment(at, part.rows()) = part.rightCols(1);
-    at += part.rows();
-  }
+  J = stackedQr(vectors_.comm(), J);
+  SmallSystem system{Eigen::MatrixXd(2 * m + 1, m), Eigen::VectorXd(2 * m + 1), {}};
+  system.M << Eigen::MatrixXd(subspace_.R().triangularView<Eigen::Upper>()), J.leftCols(m);
+  system.rhs << -gluing, J.rightCols(1);
   system.scale = system.M.colwise().norm().transpose();
   for (double& value : system.scale)
     if (value == 0) value = 1;

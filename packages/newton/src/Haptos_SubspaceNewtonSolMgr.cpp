@@ -81,7 +81,7 @@ struct SubspaceNewtonSolMgr::Work {
         pairs(dual.pairs),
         vectors(dual.F->getDomainMap(), pairs, dual.gluingRows),
         balance(dual, vectors),
-        direction(dual, *dual.M, DualVectors::fromVector(*dual.diagonalOfM), vectors, balance),
+        direction(dual, DualVectors::fromVector(*dual.diagonalOfM), vectors, balance),
         subspace(vectors, count("Maximum Pairs")),
         r((balance.numFloating() > 0 ? number("Floating Penalty") : 1.0) * direction.medianNormalStiffness()),
         iteration(dual, vectors, balance, direction, subspace, r),

@@ -5,6 +5,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_ContactBlock.hpp"
 #include "Haptos_KktEstimator.hpp"
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
 
@@ -17,6 +18,7 @@ ContactOperators contactOperators(const FetiSystem& system) {
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
   o.h = dual.h;
   o.M = system.preconditioner();
+  o.contactM = Teuchos::rcp(new ContactBlock(system.preconditioner()));
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;

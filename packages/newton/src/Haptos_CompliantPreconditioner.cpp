@@ -1,0 +1,93 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_CompliantPreconditioner.hpp"
+
+#include <Tpetra_Operator.hpp>
+#include <cmath>
+
+namespace Haptos {
+
+CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors,
+                                                 const Eigen::VectorXd& stiffness)
+    : dual_(dual), vectors_(vectors), stiffness_(stiffness) {}
+
+void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law,
+                                      const std::vector<TangentialModes>& modes) {
+  constexpr double kRigid = 1e-12;  // of 1 - theta: sticking
+  const Eigen::Index n = 3 * Eigen::Index(pairs.size());
+  rotations_.assign(pairs.size(), Eigen::Matrix2d::Identity());
+  isCompliant_ = inverseC_ = Eigen::VectorXd::Zero(n);
+  diagonal_ = scale_ = Eigen::VectorXd::Ones(n);
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    if (!law.tangential[i]) continue;
+    rotations_[i] = modes[i].E;
+    const double k = 0.5 * (stiffness_[pairs[i].tangential[0]] + stiffness_[pairs[i].tangential[1]]);
+    for (int m = 0; m < 2; ++m) {
+      const Eigen::Index at = 3 * Eigen::Index(i) + 1 + m;
+      const double theta = modes[i].theta[m];
+      if (modes[i].isHeld(m) || theta <= 0) continue;
+      scale_[at] = std::sqrt(theta);
+      if (theta >= 1 - kRigid) continue;
+      isCompliant_[at] = 1;
+      inverseC_[at] = k * theta / (1 - theta);
+      diagonal_[at] = inverseC_[at] + k;
+    }
+  }
+  isNeeded_ = vectors_.sum(isCompliant_.sum()) > 0;
+}
+
+Eigen::VectorXd CompliantPreconditioner::toModes(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd c = vectors_.contact(x);
+  for (std::size_t i = 0; i < rotations_.size(); ++i) {
+    const Eigen::Index at = 3 * Eigen::Index(i) + 1;
+    c.segment<2>(at) = (rotations_[i].transpose() * c.segment<2>(at)).eval();
+  }
+  return c;
+}
+
+void CompliantPreconditioner::setModes(Eigen::VectorXd& x, Eigen::VectorXd modes) const {
+  for (std::size_t i = 0; i < rotations_.size(); ++i) {
+    const Eigen::Index at = 3 * Eigen::Index(i) + 1;
+    modes.segment<2>(at) = (rotations_[i] * modes.segment<2>(at)).eval();
+  }
+  vectors_.setContact(x, modes);
+}
+
+// (C^-1 + E^T M E) q = b by conjugate gradients.
+Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& b) const {
+  constexpr double kTolerance = 1e-3;
+  const Operator& M = dual_.contactM.is_null() ? *dual_.M : *dual_.contactM;
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(b.size()), r = b, z = r.cwiseQuotient(diagonal_), p = z;
+  double rz = vectors_.sum(r.dot(z));
+  const double target = kTolerance * kTolerance * rz;
+  for (int step = 0; step < kMaxSteps && rz > target; ++step) {
+    Eigen::VectorXd full = Eigen::VectorXd::Zero(vectors_.numRows());
+    setModes(full, p);
+    const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + toModes(vectors_.apply(M, full)).cwiseProduct(isCompliant_);
+    const double alpha = rz / vectors_.sum(p.dot(Ap));
+    q += alpha * p;
+    r -= alpha * Ap;
+    z = r.cwiseQuotient(diagonal_);
+    const double next = vectors_.sum(r.dot(z));
+    p = z + (next / rz) * p;
+    rz = next;
+  }
+  return q;
+}
+
+Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
+  if (!isNeeded_) return vectors_.apply(*dual_.M, r);
+  Eigen::VectorXd w = r;
+  const Eigen::VectorXd rhs = toModes(r).cwiseQuotient(scale_);
+  setModes(w, rhs);
+  const Eigen::VectorXd q = solveCompliance(toModes(vectors_.apply(*dual_.M, w)).cwiseProduct(isCompliant_));
+  setModes(w, rhs - q);
+  Eigen::VectorXd z = vectors_.apply(*dual_.M, w);
+  // C z = q holds exactly; the difference M (r - E q) would lose it where C is large.
+  Eigen::VectorXd modes = toModes(z);
+  for (Eigen::Index i = 0; i < modes.size(); ++i)
+    if (isCompliant_[i] != 0) modes[i] = inverseC_[i] * q[i];
+  setModes(z, modes.cwiseQuotient(scale_));
+  return z;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_ContactProblem.hpp"
+#include "Haptos_DualVectors.hpp"
+#include "Haptos_LawLinearization.hpp"
+
+namespace Haptos {
+
+/// \brief z := (M^-1 + C)^-1 r, where C is the law's compliance of slip, on the tangential modes between stick and slip.
+///
+/// A slip mode obeys C dlambda - ds = rhs with C = (1 - sigma) / (r sigma) [length/force]: a spring in series with the
+/// body, so that F + C is to be inverted and not F.  With E the rows of these modes
+///
+///   z = M (r - E q),   (C^-1 + E^T M E) q = E^T M r
+///
+/// q comes from conjugate gradients, preconditioned by its diagonal, on the contact rows alone.  Scaling M by the
+/// shares theta = (1/k) / (C + 1/k) instead is right for short waves only and makes the counts grow with the contact's size.
+///
+/// Vectors are in the variables of the coarse projections, r_theta = sqrt(theta) r and z_theta = z / sqrt(theta).
+class CompliantPreconditioner {
+ public:
+  /// \param stiffness [rows] k, about the diagonal of M; references are kept.
+  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, const Eigen::VectorXd& stiffness);
+
+  /// \param modes [pairs], valid where law.tangential.
+  void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
+
+  /// \brief Collective: two applications of M, up to kMaxSteps of its contact block with two reductions each.
+  Eigen::VectorXd apply(const Eigen::VectorXd& r) const;
+
+  static constexpr int kMaxSteps = 40;
+
+ private:
+  Eigen::VectorXd toModes(const Eigen::VectorXd& x) const;
+  void setModes(Eigen::VectorXd& x, Eigen::VectorXd modes) const;
+  Eigen::VectorXd solveCompliance(const Eigen::VectorXd& b) const;
+
+  const ContactOperators& dual_;
+  const DualVectors& vectors_;
+  const Eigen::VectorXd& stiffness_;
+  std::vector<Eigen::Matrix2d> rotations_;  // [pairs] modes in columns
+  Eigen::VectorXd isCompliant_, inverseC_, diagonal_, scale_;  // [3 pairs], in modes; scale_ = sqrt(theta)
+  bool isNeeded_ = false;
+};
+
+}  // namespace Haptos

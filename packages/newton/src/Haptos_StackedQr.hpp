@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief The triangle R of a QR factorisation of all ranks' rows, one below the other: R^T R = sum of A^T A.
+///
+/// \param A [rows of this rank x n], any number of rows, also none
+/// \return R [n x n], upper triangular, the same digits on all ranks.  Collective: a binary tree of messages with
+/// n (n + 1) / 2 numbers each and one broadcast, so the size of the result and what a rank sends do not grow with the
+/// ranks.  Unlike A^T A it keeps all digits of small residuals.
+/// Source: Demmel, Grigori, Hoemmen, Langou, SIAM J. Sci. Comput. 34 (2012) A206.
+Eigen::MatrixXd stackedQr(const Communicator& comm, const Eigen::MatrixXd& A);
+
+}  // namespace Haptos
