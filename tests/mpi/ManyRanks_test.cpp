@@ -33,7 +33,7 @@ Run requireSameRun(const Sets& sets, Teuchos::FancyOStream& out, bool& success) 
   TEST_EQUALITY(t.hessianMultiplications, a.hessianMultiplications);
   TEST_EQUALITY(t.preconditionerApplications, a.preconditionerApplications);
   TEST_EQUALITY(t.coarseSolves, a.coarseSolves);
-  TEST_EQUALITY(t.localSolves, a.localSolves);
+  TEST_ASSERT(t.localSolves >= a.localSolves);  // every rank forms the dense matrices of its own classes
   TEST_EQUALITY(t.history.size(), a.history.size());
   if (world()->getRank() == 0) {
     const double u = relativeDifference(together.result.displacement, alone.result.displacement);

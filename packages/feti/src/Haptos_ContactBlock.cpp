@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactBlock.hpp"
 
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -11,6 +10,8 @@
 
 namespace Haptos {
 namespace {
+
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 bool isContact(RowKind kind) { return kind == RowKind::Normal || kind == RowKind::Tangential; }
 
@@ -29,77 +30,157 @@ Eigen::MatrixXd denseBlock(const DualPreconditioner& M, int congruenceClass, con
   return 0.5 * (S + S.transpose());
 }
 
+template <class Predicate>
+RCP<const Map> subsetMap(const Map& map, Predicate&& isKept) {
+  std::vector<GlobalOrdinal> kept;
+  for (int row = 0; row < int(localNumElements(map)); ++row)
+    if (isKept(row)) kept.push_back(map.getGlobalElement(row));
+  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                              Teuchos::ArrayView<const GlobalOrdinal>(kept.data(), int(kept.size())), map.getIndexBase(), map.getComm()));
+}
+
 }  // namespace
 
 ContactBlock::ContactBlock(RCP<const DualPreconditioner> preconditioner) : preconditioner_(std::move(preconditioner)) {
-  for (RowKind kind : preconditioner_->jump().multipliers().kinds()) isContactRow_.push_back(isContact(kind));
-  findContactUnknowns();
-  dense_.resize(unknowns_.size());
-  for (std::size_t c = 0; c < unknowns_.size(); ++c)
-    if (!unknowns_[c].empty() && int(unknowns_[c].size()) <= kLargestDense)
-      dense_[c] = denseBlock(*preconditioner_, int(c), unknowns_[c]);
+  findNearRows();
 }
 
-// Contact rows couple to all three unknowns of every copy of their nodes.
-void ContactBlock::findContactUnknowns() {
-  const JumpOperator& jump = preconditioner_->jump();
-  const MultiplierMap& multipliers = jump.multipliers();
+void ContactBlock::findNearRows() {
+  const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
+  const auto& kinds = multipliers.kinds();
+  const auto& inverse = preconditioner_->gram().inverse();
   Vector mine(multipliers.map()), overlap(multipliers.overlapMap());
+  std::vector<int> position(kinds.size(), -1);
   {
-    const auto data = mine.getDataNonConst(0);
-    for (std::size_t row = 0; row < isContactRow_.size(); ++row) data[row] = isContactRow_[row] ? 1.0 : 0.0;
+    const auto marks = mine.getDataNonConst(0);
+    for (std::size_t row = 0; row < kinds.size(); ++row) {
+      if (!isContact(kinds[row])) continue;
+      marks[row] = 1;
+      for (RowMatrix::InnerIterator it(inverse, Eigen::Index(row)); it; ++it) marks[it.col()] = 1;
+    }
+    for (std::size_t row = 0; row < kinds.size(); ++row)
+      if (marks[row] != 0) {
+        position[row] = int(near_.size());
+        near_.push_back(int(row));
+        isContact_.push_back(isContact(kinds[row]));
+      }
   }
-  overlap.doImport(mine, multipliers.importer(), Tpetra::INSERT);
-  const auto flags = overlap.getData(0);
-  std::vector<std::set<int>> nodes(jump.primalOffsets().size() - 1);
-  for (const auto& entry : multipliers.overlapEntries())
-    if (flags[entry.row] != 0.0) nodes[entry.subdomain - jump.firstSubdomain()].insert(entry.dof / 3);
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t i = 0; i < near_.size(); ++i)
+    for (RowMatrix::InnerIterator it(inverse, near_[i]); it; ++it)
+      if (position[it.col()] >= 0) triplets.emplace_back(int(i), position[it.col()], it.value());
+  gram_.resize(Eigen::Index(near_.size()), Eigen::Index(near_.size()));
+  gram_.setFromTriplets(triplets.begin(), triplets.end());
 
+  overlap.doImport(mine, multipliers.importer(), Tpetra::INSERT);
+  const auto marks = overlap.getData(0);
+  std::vector<char> isNear;
+  for (double mark : marks) isNear.push_back(mark != 0);
+  nearMap_ = subsetMap(*multipliers.map(), [&](int row) { return position[std::size_t(row)] >= 0; });
+  nearOverlapMap_ = subsetMap(*multipliers.overlapMap(), [&](int row) { return isNear[std::size_t(row)] != 0; });
+  importer_ = Teuchos::rcp(new Tpetra::Import<>(nearMap_, nearOverlapMap_));
+  findUnknowns(isNear);
+}
+
+// The unknowns of the nodes of near rows; the compact vector holds those of a class's active members one after another.
+void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
+  const JumpOperator& jump = preconditioner_->jump();
+  const auto& overlapEntries = jump.multipliers().overlapEntries();
+  std::vector<std::set<int>> nodes(jump.primalOffsets().size() - 1);
+  for (const auto& entry : overlapEntries)
+    if (isNear[entry.row]) nodes[entry.subdomain - jump.firstSubdomain()].insert(entry.dof / 3);
+
+  for (const auto& list : nodes) isActive_.push_back(!list.empty());
   const auto& members = preconditioner_->systems().members();
   unknowns_.resize(members.size());
+  dense_.resize(members.size());
+  std::vector<Eigen::Index> offset(nodes.size(), -1);
+  std::vector<std::vector<int>> positionOf(members.size());  // local dof -> position in the list
   for (std::size_t c = 0; c < members.size(); ++c) {
     std::set<int> all;
-    for (int member : members[c]) {
-      all.insert(nodes[member].begin(), nodes[member].end());
-      if (!nodes[member].empty()) active_.push_back(member);
-    }
+    for (int member : members[c]) all.insert(nodes[member].begin(), nodes[member].end());
     const auto& boundary = preconditioner_->boundary(int(c));
-    for (std::size_t i = 0; i < boundary.size(); ++i)
-      if (all.count(boundary[i] / 3) > 0) unknowns_[c].push_back(int(i));
+    const bool isDense = 3 * all.size() <= std::size_t(kLargestDense);
+    for (std::size_t i = 0; i < boundary.size() && !all.empty(); ++i) {
+      if (isDense && all.count(boundary[i] / 3) == 0) continue;
+      positionOf[c].resize(std::max(positionOf[c].size(), std::size_t(boundary[i]) + 1), -1);
+      positionOf[c][std::size_t(boundary[i])] = int(unknowns_[c].size());
+      unknowns_[c].push_back(int(i));
+    }
+    if (isDense && !all.empty()) dense_[c] = denseBlock(*preconditioner_, int(c), unknowns_[c]);
+    first_.push_back(size_);
+    count_.push_back(0);
+    for (int member : members[c]) {
+      if (nodes[member].empty()) continue;
+      offset[std::size_t(member)] = size_;
+      size_ += Eigen::Index(unknowns_[c].size());
+      ++count_.back();
+    }
   }
-  std::sort(active_.begin(), active_.end());
+  std::vector<int> rowOf(isNear.size(), -1);
+  for (std::size_t row = 0, next = 0; row < isNear.size(); ++row)
+    if (isNear[row]) rowOf[row] = int(next++);
+  for (const auto& entry : overlapEntries) {
+    if (!isNear[entry.row]) continue;
+    const int member = entry.subdomain - jump.firstSubdomain();
+    const auto& position = positionOf[std::size_t(preconditioner_->systems()[member].congruenceClass)];
+    entries_.push_back({rowOf[entry.row], int(offset[std::size_t(member)]) + position[std::size_t(entry.dof)], entry.value / entry.weight});
+  }
 }
 
-void ContactBlock::applyLocal(MultiVector& t) const {
-  const auto& offsets = preconditioner_->jump().primalOffsets();
-  const auto data = t.getDataNonConst(0);
-  for (int sub : active_) {
-    const int c = preconditioner_->systems()[sub].congruenceClass;
-    const auto& boundary = preconditioner_->boundary(c);
-    const auto& unknowns = unknowns_[c];
-    const bool all = dense_[c].size() == 0;
-    const std::size_t n = all ? boundary.size() : unknowns.size();
-    const auto dof = [&](std::size_t i) { return offsets[sub] + boundary[all ? i : std::size_t(unknowns[i])]; };
-    Eigen::MatrixXd x(Eigen::Index(n), 1), y(Eigen::Index(n), 1);
-    for (std::size_t i = 0; i < n; ++i) x(Eigen::Index(i), 0) = data[dof(i)];
-    if (all) preconditioner_->applySchur(c, x, y);
-    else y.noalias() = dense_[c] * x;
-    for (std::size_t i = 0; i < n; ++i) data[dof(i)] = y(Eigen::Index(i), 0);
+void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
+  for (std::size_t c = 0; c < unknowns_.size(); ++c) {
+    if (count_[c] == 0) continue;
+    Eigen::Map<Eigen::MatrixXd> part(t.data() + first_[c], Eigen::Index(unknowns_[c].size()), count_[c]);
+    const Eigen::MatrixXd x = part;
+    if (dense_[c].size() > 0) {
+      part.noalias() = dense_[c] * x;
+    } else {
+      Eigen::MatrixXd y(x.rows(), x.cols());
+      preconditioner_->applySchur(int(c), x, y);
+      part = y;
+    }
   }
 }
 
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  const auto keepContact = [&](Vector& v) {
-    const auto data = v.getDataNonConst(0);
-    for (std::size_t row = 0; row < isContactRow_.size(); ++row)
-      if (!isContactRow_[row]) data[row] = 0;
-  };
+  Eigen::VectorXd part(Eigen::Index(near_.size())), t(size_);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    Vector in(*x.getVector(v), Teuchos::Copy), out(getRangeMap());
-    keepContact(in);
-    preconditioner_->applyScaled(in, out, [this](MultiVector& t) { applyLocal(t); });
-    keepContact(out);
-    y.getVectorNonConst(v)->update(alpha, out, beta);
+    const auto in = x.getData(v);
+    for (std::size_t i = 0; i < near_.size(); ++i) part[Eigen::Index(i)] = isContact_[i] ? in[near_[i]] : 0.0;
+    Vector owned(nearMap_), overlap(nearOverlapMap_);
+    const auto put = [&](const Eigen::VectorXd& values) {
+      const auto data = owned.getDataNonConst(0);
+      std::copy(values.data(), values.data() + values.size(), data.begin());
+    };
+    put(gram_ * part);
+    overlap.doImport(owned, *importer_, Tpetra::INSERT);
+    {
+      const auto data = overlap.getDataNonConst(0);
+      t.setZero();
+      for (const Entry& e : entries_) t[e.position] += e.value * data[e.row];
+      applyLocal(t);
+      std::fill(data.begin(), data.end(), 0.0);
+      for (const Entry& e : entries_) data[e.row] += e.value * t[e.position];
+    }
+    Vector sum(nearMap_);  // an Export with ADD replaces what stands in its target
+    sum.doExport(overlap, *importer_, Tpetra::ADD);
+    {
+      const auto data = sum.getData(0);
+      part = gram_ * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+    }
+    const auto out = y.getDataNonConst(v);
+    for (auto& value : out) value = beta == 0 ? 0.0 : beta * value;
+    for (std::size_t i = 0; i < near_.size(); ++i)
+      if (isContact_[i]) out[near_[i]] += alpha * part[Eigen::Index(i)];
+  }
+}
+
+void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+    Vector z(getRangeMap());
+    preconditioner_->applyOn(block_->activeSubdomains(), *x.getVector(v), z);
+    y.getVectorNonConst(v)->update(alpha, z, beta);
   }
 }
 

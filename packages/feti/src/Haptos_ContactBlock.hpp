@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <Tpetra_Import.hpp>
 
 #include "Haptos_DualPreconditioner.hpp"
 
@@ -26,15 +27,54 @@ class ContactBlock final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
+  /// [local subdomains] those with contact nodes: all that contact rows of M meet.
+  const std::vector<char>& activeSubdomains() const { return isActive_; }
+
  private:
-  void findContactUnknowns();
-  void applyLocal(MultiVector& t) const;
+  // One nonzero of B_D^T: overlap row, position in the compact vector of the active subdomains' unknowns.
+  struct Entry {
+    int row;
+    int position;
+    double value;
+  };
+
+  void findNearRows();
+  void findUnknowns(const std::vector<char>& isNear);
+  void applyLocal(Eigen::VectorXd& t) const;
 
   RCP<const DualPreconditioner> preconditioner_;
-  std::vector<char> isContactRow_;            // [owned rows]
-  std::vector<int> active_;                   // local subdomains with contact nodes
+  // "Near" rows share a node with a contact row: B_D couples those and no others.
+  std::vector<int> near_;                     // [near] owned rows
+  std::vector<char> isContact_;               // [near]
+  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [near x near] (B W B^T)^+
+  RCP<const Map> nearMap_, nearOverlapMap_;
+  RCP<const Tpetra::Import<>> importer_;
+  std::vector<Entry> entries_;
+  std::vector<char> isActive_;                // [local subdomains]
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
   std::vector<Eigen::MatrixXd> dense_;        // [classes] S_cc; empty where all of S is applied
+  std::vector<Eigen::Index> first_, count_;   // [classes] of their part of the compact vector, and of active members
+  Eigen::Index size_ = 0;
+};
+
+/// \brief M x on the contact rows, all rows of x counted; the other rows of the result are of no use.
+///
+/// Subdomains without contact nodes take no part.
+class ContactRows final : public Operator {
+ public:
+  ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block)
+      : preconditioner_(std::move(preconditioner)), block_(std::move(block)) {}
+
+  RCP<const Map> getDomainMap() const override { return preconditioner_->getDomainMap(); }
+  RCP<const Map> getRangeMap() const override { return preconditioner_->getRangeMap(); }
+
+  /// Collective: one Import, one Export.
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
+             double beta = 0.0) const override;
+
+ private:
+  RCP<const DualPreconditioner> preconditioner_;
+  RCP<const ContactBlock> block_;
 };
 
 }  // namespace Haptos

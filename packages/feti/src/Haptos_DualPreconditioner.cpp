@@ -4,6 +4,7 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
 
 #include "Haptos_SubdomainSurface.hpp"
 
@@ -57,11 +58,11 @@ void DualPreconditioner::applySchur(int congruenceClass, const Eigen::MatrixXd& 
   for (std::size_t i = 0; i < dofs.size(); ++i) Y.row(Eigen::Index(i)) = product.row(dofs[i]);
 }
 
-void DualPreconditioner::applyLocal(MultiVector& t) const {
+void DualPreconditioner::applyLocal(MultiVector& t, const std::vector<std::vector<int>>& membersOfClass) const {
   const auto& offsets = jump_->primalOffsets();
   const auto data = t.getDataNonConst(0);
   for (std::size_t c = 0; c < boundary_.size(); ++c) {
-    const auto& members = systems_->members()[c];
+    const auto& members = membersOfClass[c];
     const auto& dofs = boundary_[c];
     const Eigen::Index nb = Eigen::Index(dofs.size());
     for (std::size_t first = 0; first < members.size(); first += kBlock) {
@@ -76,7 +77,8 @@ void DualPreconditioner::applyLocal(MultiVector& t) const {
   }
 }
 
-void DualPreconditioner::applyScaled(const MultiVector& x, MultiVector& y, const std::function<void(MultiVector&)>& local) const {
+// y := B_D S B_D^T x with S of the given members of every class alone; one vector.
+void DualPreconditioner::applyWith(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
   MultiVector z(x, Teuchos::Copy), t(jump_->getDomainMap(), 1);
   gram_.apply(z, z);
   jump_->apply(z, t, Teuchos::TRANS);
@@ -85,16 +87,23 @@ void DualPreconditioner::applyScaled(const MultiVector& x, MultiVector& y, const
     for (std::size_t i = 0; i < weights_.size(); ++i) data[i] *= weights_[i];
   };
   scale();
-  local(t);
+  applyLocal(t, members);
   scale();
   jump_->apply(t, z);
   gram_.apply(z, y);
 }
 
+void DualPreconditioner::applyOn(const std::vector<char>& isActive, const Vector& x, Vector& y) const {
+  auto members = systems_->members();
+  for (auto& list : members)
+    list.erase(std::remove_if(list.begin(), list.end(), [&](int i) { return isActive[std::size_t(i)] == 0; }), list.end());
+  applyWith(members, x, y);
+}
+
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     MultiVector z(x.getMap(), 1);
-    applyScaled(*x.getVector(v), z, [this](MultiVector& t) { applyLocal(t); });
+    applyWith(systems_->members(), *x.getVector(v), z);
     y.getVectorNonConst(v)->update(alpha, z, beta);
     ++applications_;
   }

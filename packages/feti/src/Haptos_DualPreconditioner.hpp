@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Tpetra_Operator.hpp>
-#include <functional>
 #include <memory>
 #include <vector>
 
@@ -37,19 +36,21 @@ class DualPreconditioner final : public Operator {
 
   long applications() const { return applications_; }
 
-  /// \brief y := B_D L(B_D^T x) with another local operator L, which acts in place on a vector of the primal map.  Collective.
-  void applyScaled(const MultiVector& x, MultiVector& y, const std::function<void(MultiVector&)>& local) const;
+  /// \brief The rows of M x that meet only the subdomains marked [local subdomains]; other rows are not those of M x.  Collective.
+  void applyOn(const std::vector<char>& isActive, const Vector& x, Vector& y) const;
 
   /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
   void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
 
   const JumpOperator& jump() const { return *jump_; }
+  const RowGram& gram() const { return gram_; }
   const LocalSystems& systems() const { return *systems_; }
   const std::vector<int>& boundary(int congruenceClass) const { return boundary_[congruenceClass]; }  ///< local dofs
   Eigen::Index boundarySize(int congruenceClass) const { return Eigen::Index(boundary_[congruenceClass].size()); }
 
  private:
-  void applyLocal(MultiVector& t) const;
+  void applyLocal(MultiVector& t, const std::vector<std::vector<int>>& members) const;
+  void applyWith(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const;
 
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;

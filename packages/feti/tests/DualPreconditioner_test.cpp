@@ -4,7 +4,11 @@
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 #include "FetiScene.hpp"
+#include "Haptos_ContactBlock.hpp"
 #include "Haptos_SubdomainSurface.hpp"
 
 namespace {
@@ -91,6 +95,32 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {
     TEST_ASSERT(largest(M - M.transpose()) < 1e-12 * largest(M));
     TEST_ASSERT(smallestEigenvalue(M) > -1e-12 * largest(M));
   }
+}
+
+// Between contact rows, and in contact rows, against the dense formula; the union of a class's contact nodes is used.
+TEUCHOS_UNIT_TEST(DualPreconditioner, ContactBlockAndContactRows) {
+  const Scene s = scene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
+  const Dense reference = denseM(s, PreconditionerKind::Dirichlet);
+  const auto M = make(feti, PreconditionerKind::Dirichlet);
+  const auto block = Teuchos::rcp(new ContactBlock(M));
+  const Dense between = denseOf(*block), rows = denseOf(ContactRows(M, block));
+  const auto isContact = [&](Eigen::Index row) {
+    const RowKind kind = s.rows.kinds[std::size_t(row)];
+    return kind == RowKind::Normal || kind == RowKind::Tangential;
+  };
+  int contact = 0;
+  for (Eigen::Index i = 0; i < reference.rows(); ++i) {
+    contact += isContact(i);
+    for (Eigen::Index j = 0; j < reference.cols(); ++j) {
+      const double expected = isContact(i) && isContact(j) ? reference(i, j) : 0.0;
+      TEST_ASSERT(std::abs(between(i, j) - expected) < 1e-10 * largest(reference));
+      if (isContact(i)) TEST_ASSERT(std::abs(rows(i, j) - reference(i, j)) < 1e-10 * largest(reference));
+    }
+  }
+  TEST_ASSERT(contact > 0 && contact < reference.rows());
+  const auto& active = block->activeSubdomains();
+  TEST_ASSERT(std::count(active.begin(), active.end(), char(1)) > 0);
 }
 
 TEUCHOS_UNIT_TEST(DualPreconditioner, PinnedRowsGiveNothing) {

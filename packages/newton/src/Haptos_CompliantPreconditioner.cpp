@@ -79,7 +79,8 @@ Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
   Eigen::VectorXd w = r;
   const Eigen::VectorXd rhs = toModes(r).cwiseQuotient(scale_);
   setModes(w, rhs);
-  const Eigen::VectorXd q = solveCompliance(toModes(vectors_.apply(*dual_.M, w)).cwiseProduct(isCompliant_));
+  const Operator& rowsOfM = dual_.contactRowsOfM.is_null() ? *dual_.M : *dual_.contactRowsOfM;
+  const Eigen::VectorXd q = solveCompliance(toModes(vectors_.apply(rowsOfM, w)).cwiseProduct(isCompliant_));
   setModes(w, rhs - q);
   Eigen::VectorXd z = vectors_.apply(*dual_.M, w);
   // C z = q holds exactly; the difference M (r - E q) would lose it where C is large.

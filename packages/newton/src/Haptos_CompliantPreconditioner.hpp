@@ -25,7 +25,7 @@ class CompliantPreconditioner {
   /// \param modes [pairs], valid where law.tangential.
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
-  /// \brief Collective: two applications of M, up to kMaxSteps of its contact block with two reductions each.
+  /// \brief Collective: M, the contact rows of M, up to kMaxSteps times its contact block with two reductions each.
   Eigen::VectorXd apply(const Eigen::VectorXd& r) const;
 
   static constexpr int kMaxSteps = 40;

@@ -23,6 +23,7 @@ struct ContactOperators {
   RCP<const Vector> h;                ///< [length]
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
   RCP<const Operator> contactM;       ///< M between contact rows, cheaper than M; null: M itself is used
+  RCP<const Operator> contactRowsOfM; ///< M x of which only the contact rows are read; null: M itself is used
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular

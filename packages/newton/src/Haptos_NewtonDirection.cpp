@@ -42,16 +42,13 @@ double NewtonDirection::tangentialStiffness(const PairLaw& pair) const {
   return 0.5 * (stiffness_[pair.tangential[0]] + stiffness_[pair.tangential[1]]);
 }
 
-// The projection may stand on a law a little older: what it leaves is balanced by the law of the day.
+// The projection may stand on a law a little older: what it leaves is balanced by the law of the day.  Collective.
 bool NewtonDirection::coarseIsStale(const LawLinearization& law) const {
-  constexpr double kChange = 0.1;  // of P', whose eigenvalues lie in [0, 1]
-  if (!coarse_ || preparedFor_.size() != law.dP.size()) return true;
-  double squares = 0;
-  for (std::size_t i = 0; i < law.dP.size(); ++i) {
-    if (law.closed[i] != preparedClosed_[i]) return true;
-    squares = std::max(squares, (law.dP[i] - preparedFor_[i]).squaredNorm());
-  }
-  return squares > kChange * kChange;
+  constexpr double kChange = 0.1;  // of P', whose eigenvalues lie in [0, 1], root mean square over the pairs
+  Eigen::Vector2d sums(0, double(law.dP.size()));
+  for (std::size_t i = 0; i < law.dP.size() && coarse_; ++i) sums[0] += (law.dP[i] - preparedFor_[i]).squaredNorm();
+  vectors_.sum(sums);
+  return !coarse_ || sums[0] > kChange * kChange * sums[1];
 }
 
 void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
@@ -59,9 +56,8 @@ void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinear
   for (std::size_t i = 0; i < pairs.size(); ++i)
     if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
   preconditioner_.prepare(pairs, law, modes_);
-  if (vectors_.sum(coarseIsStale(law) ? 1.0 : 0.0) == 0.0) return;  // all ranks or none: building it communicates
+  if (!coarseIsStale(law)) return;
   preparedFor_ = law.dP;
-  preparedClosed_ = law.closed;
   auto coarse = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
   coarse_ = std::move(coarse);
 }

@@ -7,7 +7,7 @@
 
 namespace Haptos {
 
-/// \brief The preconditioned Newton residual: one direction for the multipliers, two applications of M.
+/// \brief The preconditioned Newton residual: one direction for the multipliers, one application of M and one of its contact rows.
 ///
 /// Gluing rows take their jump, closed normal rows theirs, tangential rows the law's residual in the eigenvectors of
 /// P'; the active coarse projection stands on both sides of M.  What the law itself decides (open pairs, the slip
@@ -47,7 +47,6 @@ class NewtonDirection {
   Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
   double medianStiffness_ = 0;
   std::vector<Eigen::Matrix3d> preparedFor_;
-  std::vector<char> preparedClosed_;
   std::vector<TangentialModes> modes_;
   std::unique_ptr<ActiveCoarseProjection> coarse_;
   CompliantPreconditioner preconditioner_;

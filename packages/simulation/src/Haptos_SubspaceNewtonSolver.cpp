@@ -18,7 +18,9 @@ ContactOperators contactOperators(const FetiSystem& system) {
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
   o.h = dual.h;
   o.M = system.preconditioner();
-  o.contactM = Teuchos::rcp(new ContactBlock(system.preconditioner()));
+  const auto block = Teuchos::rcp(new ContactBlock(system.preconditioner()));
+  o.contactM = block;
+  o.contactRowsOfM = Teuchos::rcp(new ContactRows(system.preconditioner(), block));
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;
