@@ -37,13 +37,15 @@ KktErrors KktEstimator::measure(const Vector& lambda, const Vector& s) const {
 }
 
 double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance) {
-  constexpr double kHidden = 0.1;  // of the floor, which is a bound: measured errors end at about this
+  constexpr double kHidden = 0.1;        // of the floor, which is a bound: measured errors end at about this
+  constexpr double kLargestFloor = 1e-2;  // above it the state is a start without forces, not an answer hidden by round-off
+  const auto hidden = [&] { return floor_ < kLargestFloor ? kHidden * floor_ : 0.0; };
   if (uRef_ < 0) renewScale(lambda, s);
   kkt_ = measure(lambda, s).kkt();
-  if (kkt_ > std::max(tolerance, kHidden * floor_)) return kkt_;
+  if (kkt_ > std::max(tolerance, hidden())) return kkt_;
   renewScale(lambda, s);
   kkt_ = measure(lambda, s).kkt();
-  return kkt_ <= kHidden * floor_ ? std::min(kkt_, tolerance) : kkt_;
+  return kkt_ <= hidden() ? std::min(kkt_, tolerance) : kkt_;
 }
 
 }  // namespace Haptos
