@@ -90,10 +90,10 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
   for (const auto& entry : overlapEntries)
     if (isNear[entry.row]) nodes[entry.subdomain - jump.firstSubdomain()].insert(entry.dof / 3);
 
-  for (const auto& list : nodes) isActive_.push_back(!list.empty());
   const auto& members = preconditioner_->systems().members();
   unknowns_.resize(members.size());
   dense_.resize(members.size());
+  active_.resize(members.size());
   std::vector<Eigen::Index> offset(nodes.size(), -1);
   std::vector<std::vector<int>> positionOf(members.size());  // local dof -> position in the list
   for (std::size_t c = 0; c < members.size(); ++c) {
@@ -109,12 +109,11 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
     }
     if (isDense && !all.empty()) dense_[c] = denseBlock(*preconditioner_, int(c), unknowns_[c]);
     first_.push_back(size_);
-    count_.push_back(0);
     for (int member : members[c]) {
       if (nodes[member].empty()) continue;
       offset[std::size_t(member)] = size_;
       size_ += Eigen::Index(unknowns_[c].size());
-      ++count_.back();
+      active_[c].push_back(member);
     }
   }
   std::vector<int> rowOf(isNear.size(), -1);
@@ -130,8 +129,8 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
 
 void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   for (std::size_t c = 0; c < unknowns_.size(); ++c) {
-    if (count_[c] == 0) continue;
-    Eigen::Map<Eigen::MatrixXd> part(t.data() + first_[c], Eigen::Index(unknowns_[c].size()), count_[c]);
+    if (active_[c].empty()) continue;
+    Eigen::Map<Eigen::MatrixXd> part(t.data() + first_[c], Eigen::Index(unknowns_[c].size()), Eigen::Index(active_[c].size()));
     const Eigen::MatrixXd x = part;
     if (dense_[c].size() > 0) {
       part.noalias() = dense_[c] * x;
@@ -179,7 +178,7 @@ void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp,
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     Vector z(getRangeMap());
-    preconditioner_->applyOn(block_->activeSubdomains(), *x.getVector(v), z);
+    preconditioner_->applyOn(block_->activeMembers(), *x.getVector(v), z);
     y.getVectorNonConst(v)->update(alpha, z, beta);
   }
 }

@@ -27,8 +27,8 @@ class ContactBlock final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
-  /// [local subdomains] those with contact nodes: all that contact rows of M meet.
-  const std::vector<char>& activeSubdomains() const { return isActive_; }
+  /// [classes] local subdomains with contact nodes: all that contact rows of M meet.
+  const std::vector<std::vector<int>>& activeMembers() const { return active_; }
 
  private:
   // One nonzero of B_D^T: overlap row, position in the compact vector of the active subdomains' unknowns.
@@ -50,10 +50,10 @@ class ContactBlock final : public Operator {
   RCP<const Map> nearMap_, nearOverlapMap_;
   RCP<const Tpetra::Import<>> importer_;
   std::vector<Entry> entries_;
-  std::vector<char> isActive_;                // [local subdomains]
+  std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
   std::vector<Eigen::MatrixXd> dense_;        // [classes] S_cc; empty where all of S is applied
-  std::vector<Eigen::Index> first_, count_;   // [classes] of their part of the compact vector, and of active members
+  std::vector<Eigen::Index> first_;           // [classes] of their part of the compact vector
   Eigen::Index size_ = 0;
 };
 

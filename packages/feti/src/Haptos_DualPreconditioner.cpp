@@ -4,7 +4,6 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
-#include <algorithm>
 
 #include "Haptos_SubdomainSurface.hpp"
 
@@ -77,8 +76,7 @@ void DualPreconditioner::applyLocal(MultiVector& t, const std::vector<std::vecto
   }
 }
 
-// y := B_D S B_D^T x with S of the given members of every class alone; one vector.
-void DualPreconditioner::applyWith(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
+void DualPreconditioner::applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
   MultiVector z(x, Teuchos::Copy), t(jump_->getDomainMap(), 1);
   gram_.apply(z, z);
   jump_->apply(z, t, Teuchos::TRANS);
@@ -93,17 +91,10 @@ void DualPreconditioner::applyWith(const std::vector<std::vector<int>>& members,
   gram_.apply(z, y);
 }
 
-void DualPreconditioner::applyOn(const std::vector<char>& isActive, const Vector& x, Vector& y) const {
-  auto members = systems_->members();
-  for (auto& list : members)
-    list.erase(std::remove_if(list.begin(), list.end(), [&](int i) { return isActive[std::size_t(i)] == 0; }), list.end());
-  applyWith(members, x, y);
-}
-
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     MultiVector z(x.getMap(), 1);
-    applyWith(systems_->members(), *x.getVector(v), z);
+    applyOn(systems_->members(), *x.getVector(v), z);
     y.getVectorNonConst(v)->update(alpha, z, beta);
     ++applications_;
   }

@@ -36,8 +36,9 @@ class DualPreconditioner final : public Operator {
 
   long applications() const { return applications_; }
 
-  /// \brief The rows of M x that meet only the subdomains marked [local subdomains]; other rows are not those of M x.  Collective.
-  void applyOn(const std::vector<char>& isActive, const Vector& x, Vector& y) const;
+  /// \brief y := B_D S B_D^T x with S of the given members [classes] alone, one vector: the rows of M x that meet no other
+  /// subdomain; other rows are not those of M x.  Collective.
+  void applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const;
 
   /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
   void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
@@ -50,7 +51,6 @@ class DualPreconditioner final : public Operator {
 
  private:
   void applyLocal(MultiVector& t, const std::vector<std::vector<int>>& members) const;
-  void applyWith(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const;
 
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;

@@ -48,7 +48,7 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   s -= *dual_.GT * a;
 }
 
-ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors,
+ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows,
                                                const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                                const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
                                                const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous)
@@ -65,10 +65,10 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
   }
   CoarseRows Y(dual.GT->rows(), dual.GT->rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
-  const CoarseRows contact = Y * *dual.GT, gluing = keepGluingRows(*dual.GT, vectors);
-  rows_ = gluing + contact;
+  const CoarseRows contact = Y * *dual.GT;
+  rows_ = gluingRows + contact;
   const std::vector<double> q(weights.data(), weights.data() + weights.size());
-  gluing_ = previous ? previous->gluing_ : CoarseProblem::assemble(*dual.GGT->placement(), gluing, q);
+  gluing_ = previous ? previous->gluing_ : CoarseProblem::assemble(*dual.GGT->placement(), gluingRows, q);
   CoarseProblem::Holds weak = holds;
   for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
   coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), contact, q, weak, gluing_);

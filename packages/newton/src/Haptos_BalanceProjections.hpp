@@ -27,6 +27,7 @@ class GluingBalance {
 
   Eigen::VectorXd applyG(const Eigen::VectorXd& v) const;  ///< Collective
 
+  const CoarseRows& gluingRows() const { return gluingRows_; }  ///< G^T with contact rows emptied
   Eigen::Index numFloating() const { return Zk_.cols(); }
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
   const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk
@@ -51,9 +52,9 @@ class GluingBalance {
 /// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
 class ActiveCoarseProjection {
  public:
-  /// \param weights [rows] D, \param modes [pairs]
+  /// \param gluingRows G^T with contact rows emptied, \param weights [rows] D, \param modes [pairs]
   /// \param previous one with the same weights, whose part from the gluing rows is taken over; may be null.  Collective.
-  ActiveCoarseProjection(const ContactOperators& dual, const DualVectors& vectors, const std::vector<PairLaw>& pairs,
+  ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows, const std::vector<PairLaw>& pairs,
                          const LawLinearization& law, const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
                          const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous = nullptr);
 

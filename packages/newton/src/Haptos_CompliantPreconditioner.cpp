@@ -6,9 +6,8 @@
 
 namespace Haptos {
 
-CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors,
-                                                 const Eigen::VectorXd& stiffness)
-    : dual_(dual), vectors_(vectors), stiffness_(stiffness) {}
+CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors)
+    : dual_(dual), vectors_(vectors) {}
 
 void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                       const std::vector<TangentialModes>& modes) {
@@ -20,7 +19,6 @@ void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const L
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (!law.tangential[i]) continue;
     rotations_[i] = modes[i].E;
-    const double k = 0.5 * (stiffness_[pairs[i].tangential[0]] + stiffness_[pairs[i].tangential[1]]);
     for (int m = 0; m < 2; ++m) {
       const Eigen::Index at = 3 * Eigen::Index(i) + 1 + m;
       const double theta = modes[i].theta[m];
@@ -28,8 +26,8 @@ void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const L
       scale_[at] = std::sqrt(theta);
       if (theta >= 1 - kRigid) continue;
       isCompliant_[at] = 1;
-      inverseC_[at] = k * theta / (1 - theta);
-      diagonal_[at] = inverseC_[at] + k;
+      inverseC_[at] = modes[i].inverseCompliance(m);
+      diagonal_[at] = inverseC_[at] + modes[i].stiffness;
     }
   }
   isNeeded_ = vectors_.sum(isCompliant_.sum()) > 0;

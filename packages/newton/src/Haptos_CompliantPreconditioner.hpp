@@ -19,8 +19,8 @@ namespace Haptos {
 /// Vectors are in the variables of the coarse projections, r_theta = sqrt(theta) r and z_theta = z / sqrt(theta).
 class CompliantPreconditioner {
  public:
-  /// \param stiffness [rows] k, about the diagonal of M; references are kept.
-  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, const Eigen::VectorXd& stiffness);
+  /// References are kept.
+  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors);
 
   /// \param modes [pairs], valid where law.tangential.
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
@@ -37,7 +37,6 @@ class CompliantPreconditioner {
 
   const ContactOperators& dual_;
   const DualVectors& vectors_;
-  const Eigen::VectorXd& stiffness_;
   std::vector<Eigen::Matrix2d> rotations_;  // [pairs] modes in columns
   Eigen::VectorXd isCompliant_, inverseC_, diagonal_, scale_;  // [3 pairs], in modes; scale_ = sqrt(theta)
   bool isNeeded_ = false;

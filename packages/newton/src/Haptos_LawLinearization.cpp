@@ -39,6 +39,7 @@ TangentialModes TangentialModes::of(const Eigen::Matrix3d& dP, double r, double 
   TangentialModes modes;
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(Eigen::Matrix2d(dP.bottomRightCorner<2, 2>()));
   modes.E = eigen.eigenvectors();
+  modes.stiffness = stiffness;
   for (int m = 0; m < 2; ++m) {
     modes.sigma[m] = std::clamp(eigen.eigenvalues()[m], 0.0, 1.0);
     const double compliance = (1 - modes.sigma[m]) / (r * std::max(modes.sigma[m], 1e-14));

@@ -33,6 +33,9 @@ struct TangentialModes {
 
   /// \param stiffness k: the preconditioner's nodal stiffness [force/length]
   static TangentialModes of(const Eigen::Matrix3d& dP, double r, double stiffness);
+  double stiffness = 0;       ///< k, as given
+  /// 1 / C = r sigma / (1 - sigma) of a mode with 0 < theta < 1 [force/length]
+  double inverseCompliance(int mode) const { return stiffness * theta[mode] / (1 - theta[mode]); }
   bool isHeld(int mode) const { return sigma[mode] < kHeld; }
   bool isPartial(int mode) const { return sigma[mode] < 1 - kHeld; }  ///< the law gives way
   static constexpr double kHeld = 1e-13;

@@ -25,7 +25,7 @@ double globalMedian(const Communicator& comm, const std::vector<double>& values)
 
 NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
                                  const GluingBalance& balance)
-    : dual_(dual), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM), preconditioner_(dual, vectors, stiffness_) {
+    : dual_(dual), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM), preconditioner_(dual, vectors) {
   const Eigen::VectorXd contact = vectors.contact(stiffness_);
   std::vector<double> normal, all;
   for (Eigen::Index i = 0; i < vectors.numPairs(); ++i)
@@ -58,8 +58,7 @@ void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinear
   preconditioner_.prepare(pairs, law, modes_);
   if (!coarseIsStale(law)) return;
   preparedFor_ = law.dP;
-  auto coarse = std::make_unique<ActiveCoarseProjection>(dual_, vectors_, pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
-  coarse_ = std::move(coarse);
+  coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, balance_.gluingRows(), pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
 }
 
 Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {

@@ -10,6 +10,9 @@
 
 namespace Haptos {
 
+/// \brief Reason of a solver that used up its multiplications, in the user's words.
+inline constexpr const char* limitIsReached = "Solver->Maximum Hessian Multiplications is reached";
+
 /// \brief Multipliers and jumps, from which the displacements follow (recoverPrimal).
 struct DualSolution {
   RCP<Vector> lambda;  ///< [force], dual map

@@ -4,16 +4,11 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
-#include <cstdio>
+
+#include "Haptos_Format.hpp"
 
 namespace Haptos {
 namespace {
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
-}
 
 bool isRoundOff(const Accuracy& accuracy) { return accuracy.floor > 0.1 * accuracy.errors.kkt(); }
 

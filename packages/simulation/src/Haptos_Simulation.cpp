@@ -4,12 +4,12 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
-#include <cstdio>
 
 #include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Diagnosis.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 #include "Haptos_PcpgSolver.hpp"
 #include "Haptos_SmalseContactSolver.hpp"
 #include "Haptos_SubspaceNewtonSolver.hpp"
@@ -27,12 +27,6 @@ LocalSolverMethod localMethod(const ParameterList& parameters) {
 LocalDual localDual(const ParameterList& parameters) {
   const auto dual = parameters.sublist("Local Solver").get<std::string>("Dual Operator");
   return dual == "Implicit" ? LocalDual::Implicit : dual == "Explicit" ? LocalDual::Explicit : LocalDual::Automatic;
-}
-
-std::string formatted(const char* format, double value) {
-  char text[64];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 std::string lawName(FrictionLaw law) {

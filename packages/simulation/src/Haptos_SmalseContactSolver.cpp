@@ -119,7 +119,7 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
   impl_->manager.setParameters(list);
   const bool passed = impl_->manager.solve() == Belos::Converged;
   reason_ = impl_->manager.reason();
-  if (reason_ == "limit of Hessian multiplications") reason_ = "Solver->Maximum Hessian Multiplications is reached";
+  if (reason_ == "limit of Hessian multiplications") reason_ = limitIsReached;
   solution_.lambda = Teuchos::rcp(new Vector(*impl_->x->getVector(0), Teuchos::Copy));
   solution_.s = Teuchos::rcp(new Vector(*impl_->manager.gradient()->getVector(0), Teuchos::Copy));
   solution_.s->scale(-1.0);  // s = B u - c = h - F lambda + G^T a is minus the gradient of the Lagrangian

@@ -91,7 +91,7 @@ bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   const bool passed = impl.manager.solve() == Belos::Converged;
   impl.reason = passed                           ? "converged"
                 : impl.manager.isLOADetected() ? "the residual was no longer halved"
-                                                 : "Solver->Maximum Hessian Multiplications is reached";
+                                                 : limitIsReached;
   impl.solution.lambda = Teuchos::rcp(new Vector(*impl.lambda->getVector(0), Teuchos::Copy));
   impl.solution.s = Teuchos::rcp(new Vector(*impl.manager.jumps(), Teuchos::Copy));
   return passed;
