@@ -79,6 +79,7 @@ CholmodSolver<Matrix, Vector>::CholmodSolver(Teuchos::RCP<const Matrix> A, Teuch
   common_.print = 0;          // failures are reported by exceptions
   common_.final_ll = 1;       // L L^T also when simplicial: L D L^T would accept an indefinite matrix
   common_.quick_return_if_not_posdef = 1;
+  for (auto& columns : common_.nrelax) columns = 0;  // zeros stored for wider supernodes cost every solve their bytes
 }
 
 template <class Matrix, class Vector>

@@ -123,30 +123,29 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   Y = y.cast<double>() * (scale_ * unit);
 }
 
-Eigen::VectorXd DenseSymmetric::diagonal() const {
-  Eigen::VectorXd d(n_);
-  std::size_t at = 0;
-  for (Eigen::Index j = 0; j < n_; ++j) {
-    d[j] = singles_.empty() ? doubles_[at] : scale_ * double(singles_[at]);
-    at += storage_ == Storage::Packed ? std::size_t(n_ - j) : std::size_t(n_ + 1);
-  }
-  return d;
-}
-
 std::size_t DenseSymmetric::bytes(Eigen::Index n, Storage storage, Precision precision) {
   const std::size_t entries = storage == Storage::Packed ? std::size_t(n) * std::size_t(n + 1) / 2 : std::size_t(n) * std::size_t(n);
   return entries * (precision == Precision::Double ? sizeof(double) : sizeof(float));
 }
 
-PackedCholesky::PackedCholesky(const Eigen::MatrixXd& L) : n_(L.rows()), entries_(pack<double>(L, 1)) {}
+DenseCholesky::DenseCholesky(Eigen::MatrixXd L, DenseSymmetric::Storage storage) : n_(L.rows()) {
+  if (storage == DenseSymmetric::Storage::Full) full_ = std::move(L);
+  else packed_ = pack<double>(L, 1);
+}
 
-void PackedCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
+void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   TEUCHOS_ASSERT(B.rows() == n_);
+  if (B.size() == 0) return;
   const int n = int(n_);
-  if (n == 0) return;
+  if (packed_.empty()) {
+    for (const Teuchos::ETransp side : {Teuchos::NO_TRANS, Teuchos::TRANS})
+      Teuchos::BLAS<int, double>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, side, Teuchos::NON_UNIT_DIAG, n, int(B.cols()), 1.0,
+                                        full_.data(), leading(full_), B.data(), int(B.outerStride()));
+    return;
+  }
   for (Eigen::Index j = 0; j < B.cols(); ++j) {
-    dtpsv_("L", "N", "N", &n, entries_.data(), B.col(j).data(), &kOne);
-    dtpsv_("L", "T", "N", &n, entries_.data(), B.col(j).data(), &kOne);
+    dtpsv_("L", "N", "N", &n, packed_.data(), B.col(j).data(), &kOne);
+    dtpsv_("L", "T", "N", &n, packed_.data(), B.col(j).data(), &kOne);
   }
 }
 

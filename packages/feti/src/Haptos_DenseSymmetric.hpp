@@ -39,7 +39,6 @@ class DenseSymmetric {
   Eigen::Index size() const { return n_; }
   /// \brief Y := A X, both [n x m], columns apart in memory as they like; they must not overlap.
   void apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
-  Eigen::VectorXd diagonal() const;
 
   static std::size_t bytes(Eigen::Index n, Storage storage, Precision precision);
 
@@ -53,17 +52,19 @@ class DenseSymmetric {
   std::vector<float> singles_;
 };
 
-/// \brief A lower triangular factor L of A = L L^T in packed storage; solves are rare.
-class PackedCholesky {
+/// \brief A lower triangular factor L of A = L L^T, kept as a DenseSymmetric is: solves are rare where it is packed, and
+/// have many columns where it is full.
+class DenseCholesky {
  public:
-  PackedCholesky() = default;
-  explicit PackedCholesky(const Eigen::MatrixXd& L);
-  /// \brief B := A^-1 B, column by column.
+  DenseCholesky() = default;
+  DenseCholesky(Eigen::MatrixXd L, DenseSymmetric::Storage storage);
+  /// \brief B := A^-1 B
   void solve(Eigen::Ref<Eigen::MatrixXd> B) const;
 
  private:
   Eigen::Index n_ = 0;
-  std::vector<double> entries_;
+  Eigen::MatrixXd full_;         // one of the two
+  std::vector<double> packed_;
 };
 
 }  // namespace Haptos

@@ -108,9 +108,7 @@ RCP<Vector> DualPreconditioner::diagonal() const {
     const auto& members = systems_->members()[c];
     const auto& K = (*systems_)[members.front()].K;
     Eigen::VectorXd d = boundaryDiagonal(K, boundary_[c]);
-    const bool exact = d.size() <= 600;  // by both ways of applying S, so that they iterate alike
-    if (condensed_[c]) d = exact ? condensed_[c]->schurDiagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
-    else if (schur_[c]) d = exact ? schur_[c]->diagonal() : Eigen::VectorXd(kSchurOfStiffness * d);
+    if (condensed_[c] || schur_[c]) d *= kSchurOfStiffness;
     for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
     for (int member : members)
       for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary_[c][i]] = d[i];

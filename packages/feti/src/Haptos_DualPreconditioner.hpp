@@ -31,7 +31,7 @@ class DualPreconditioner final : public Operator {
 
   /// \brief Diagonal of M up to the coupling of different rows at one node: sum of B_D^2 diag(S) [force/length].
   ///
-  /// diag(S) is exact on small subdomains and estimated from K_bb on large ones.  Collective.
+  /// diag(S) is estimated from K_bb: exact it costs a solve for every unknown and serves no better.  Collective.
   RCP<Vector> diagonal() const;
 
   long applications() const { return applications_; }

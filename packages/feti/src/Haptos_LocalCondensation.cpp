@@ -55,8 +55,7 @@ LocalCondensation::LocalCondensation(const Eigen::SparseMatrix<double>& K, const
   schur_ = DenseSymmetric(S, storage_, Precision::Single);
   if (scope == Scope::SchurOnly) return;
   requireKernel();
-  interiorFactor_ = PackedCholesky(Lii);
-  Lii.resize(0, 0);
+  interiorFactor_ = DenseCholesky(std::move(Lii), storage_);
   formInverse(S);
   requireAccuracy();
 }
@@ -149,7 +148,7 @@ LocalCondensation::Cost LocalCondensation::cost(double n, double nb, std::size_t
   const Storage storage = storageFor(members);
   return {ni * ni * ni / 3 + ni * ni * nb + ni * nb * nb + nb * nb * nb,
           double(DenseSymmetric::bytes(Index(nb), storage, Precision::Double) + DenseSymmetric::bytes(Index(nb), storage, Precision::Single)) +
-              4 * ni * ni};
+              (storage == Storage::Packed ? 4 : 8) * ni * ni};
 }
 
 }  // namespace Haptos

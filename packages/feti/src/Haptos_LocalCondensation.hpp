@@ -35,7 +35,6 @@ class LocalCondensation {
 
   /// Y := S X, [nb x m]; S is kept in single precision, good enough for a preconditioner.
   void applySchur(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const { schur_.apply(X, Y); }
-  Eigen::VectorXd schurDiagonal() const { return schur_.diagonal(); }
 
   /// Y := (K^+)_bb X, [nb x m].
   void applyInverse(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const { inverse_.apply(X, Y); }
@@ -62,7 +61,7 @@ class LocalCondensation {
   const Eigen::MatrixXd& kernel_;
   std::vector<int> boundary_, interior_;
   DenseSymmetric::Storage storage_;
-  PackedCholesky interiorFactor_;
+  DenseCholesky interiorFactor_;
   DenseSymmetric schur_, inverse_;
 };
 

@@ -113,9 +113,4 @@ Eigen::MatrixXd LocalSchur::dense() const {
   return 0.5 * (S + S.transpose());
 }
 
-Eigen::VectorXd LocalSchur::diagonal(Eigen::Index exactUpTo) const {
-  if (size() <= exactUpTo) return dense().diagonal();
-  return Kbb_.diagonal();
-}
-
 }  // namespace Haptos

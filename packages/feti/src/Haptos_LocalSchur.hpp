@@ -37,9 +37,6 @@ class LocalSchur {
   /// S itself, nb x nb, exactly symmetric; costs nb solves with K_ii, done in blocks.
   Eigen::MatrixXd dense() const;
 
-  /// \brief Diagonal of S: exact, by nb solves, if nb <= `exactUpTo`; else that of K_bb, an upper bound of it.
-  Eigen::VectorXd diagonal(Eigen::Index exactUpTo = 600) const;
-
   Eigen::Index interiorKernelSize() const;  ///< dimension of the kernel of K_ii; 0 unless b does not hold i
 
  private:

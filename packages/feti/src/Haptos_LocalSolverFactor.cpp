@@ -43,7 +43,7 @@ RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
 }
 
 /// A copy of `A`; Tpetra 13.2 and later insist on owning their memory.
-RCP<const CrsMatrix> copyMatrix(const Eigen::SparseMatrix<double>& A, const RCP<const Map>& map) {
+RCP<CrsMatrix> copyMatrix(const Eigen::SparseMatrix<double>& A, const RCP<const Map>& map) {
   using LocalMatrix = CrsMatrix::local_matrix_device_type;
   const auto rows = std::size_t(A.rows()), entries = std::size_t(A.nonZeros());
   LocalMatrix::row_map_type::non_const_type starts("row starts", rows + 1);
@@ -71,7 +71,7 @@ Eigen::Map<Eigen::MatrixXd> eigenView(double* data, const MultiVector& v) {
 
 struct LocalSolverFactor::Impl {
   RCP<const Map> map;
-  RCP<const CrsMatrix> A;
+  RCP<CrsMatrix> A;
   std::vector<int> starts;  // A's row starts as Eigen wants them
   Eigen::Index rows = 0;
   RCP<AmesosSolver> solver;
@@ -99,6 +99,16 @@ LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverM
   impl_->solver = createSolver(impl_->A, impl_->cholmod);
   impl_->solver->symbolicFactorization().numericFactorization();
   impl_->single = std::make_unique<Columns>(impl_->map, 1);
+}
+
+void LocalSolverFactor::renew(const Eigen::SparseMatrix<double>& A) {
+  TEUCHOS_ASSERT(!impl_->A.is_null() && A.isCompressed() && A.rows() == rows());
+  {
+    const auto values = impl_->A->getLocalMatrixHost().values;
+    TEUCHOS_ASSERT(std::size_t(A.nonZeros()) == values.extent(0));
+    std::copy_n(A.valuePtr(), A.nonZeros(), values.data());
+  }
+  impl_->solver->numericFactorization();
 }
 
 LocalSolverFactor::~LocalSolverFactor() = default;

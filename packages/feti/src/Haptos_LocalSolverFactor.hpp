@@ -30,6 +30,10 @@ class LocalSolverFactor {
   ~LocalSolverFactor();
   LocalSolverFactor(LocalSolverFactor&&) noexcept;
 
+  /// \brief Factors another matrix of the same pattern; the analysis of the first one serves it too.
+  /// \throws std::runtime_error if it is not positive definite.
+  void renew(const Eigen::SparseMatrix<double>& A);
+
   /// X := A^-1 B, both n x m, in one call to the solver.  B and X must not overlap.  May be called from
   /// several threads; they then wait for each other.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;

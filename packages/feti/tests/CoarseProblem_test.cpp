@@ -83,17 +83,25 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SameDigitsOnAllRanks) {
   }
 }
 
-TEUCHOS_UNIT_TEST(CoarseProblem, CommonPartIsAdded) {
+TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
   const Model m;
   CoarseRows even = m.feti.G->rows(), odd = even;
   for (Eigen::Index row = 0; row < even.rows(); ++row)
     for (CoarseRows::InnerIterator it(row % 2 ? even : odd, row); it; ++it) it.valueRef() = 0;
   const Dense b = someColumns(even.cols(), 2);
-  const Dense wanted = CoarseProblem(*m.feti.comm, m.feti.G->rows(), m.q, {}).solve(b);
   for (const Case& c : allCases(m.feti.comm->getSize())) {
     const auto placement = m.place(c.options);
-    const CoarseProblem A(placement, odd, m.q, {}, CoarseProblem::assemble(*placement, even, m.q));
+    CoarseProblem A(placement, even, odd, m.q, {});
+    const Dense wanted = CoarseProblem(*m.feti.comm, m.feti.G->rows(), m.q, {}).solve(b);
     TEST_ASSERT(largest(A.solve(b) - wanted) <= 1e-12 * largest(wanted));
+    for (double factor : {3.0, 0.25}) {
+      const CoarseRows other = factor * odd, all = even + other;
+      const Dense fresh = CoarseProblem(*m.feti.comm, all, m.q, {}).solve(b);
+      A.renew(other, m.q);
+      TEST_ASSERT(largest(A.solve(b) - fresh) <= 1e-12 * largest(fresh));
+      TEST_ASSERT(largest(fresh - wanted) > 1e-3 * largest(wanted));
+    }
+    TEST_EQUALITY(placement->costs().setUps, 3L);
   }
 }
 

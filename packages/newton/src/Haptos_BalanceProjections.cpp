@@ -48,12 +48,39 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   s -= *dual_.GT * a;
 }
 
-ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows,
-                                               const std::vector<PairLaw>& pairs, const LawLinearization& law,
-                                               const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                                               const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous)
-    : weights_(weights) {
+namespace {
+
+// The rows of G^T that contact can make active.
+CoarseRows keepContactRows(const CoarseRows& rows, const std::vector<PairLaw>& pairs) {
+  Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
+  for (const PairLaw& pair : pairs)
+    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]})
+      if (row >= 0) keep[row] = 1;
+  CoarseRows result = keep.asDiagonal() * rows;
+  result.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0.0; });
+  return result;
+}
+
+CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
+  for (auto& hold : holds) hold *= std::sqrt(kWeakHold);
+  return holds;
+}
+
+}  // namespace
+
+ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows,
+                                               const std::vector<PairLaw>& pairs, const Eigen::VectorXd& weights,
+                                               const CoarseProblem::Holds& holds)
+    : gluingRows_(gluingRows),
+      contactRows_(keepContactRows(*dual.GT, pairs)),
+      weights_(weights),
+      q_(weights.data(), weights.data() + weights.size()),
+      active_(contactRows_),
+      coarse_(dual.GGT->placement(), gluingRows, contactRows_, q_, weakened(holds)) {}
+
+void ActiveCoarseProjection::renew(const std::vector<PairLaw>& pairs, const LawLinearization& law,
+                                   const std::vector<TangentialModes>& modes) {
   std::vector<Eigen::Triplet<double>> triplets;
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     if (law.closed[i]) triplets.emplace_back(pairs[i].normal, pairs[i].normal, 1.0);
@@ -63,26 +90,33 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
       for (int b = 0; b < 2; ++b)
         if (Y(a, b) != 0.0) triplets.emplace_back(pairs[i].tangential[a], pairs[i].tangential[b], Y(a, b));
   }
-  CoarseRows Y(dual.GT->rows(), dual.GT->rows());
+  CoarseRows Y(contactRows_.rows(), contactRows_.rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
-  const CoarseRows contact = Y * *dual.GT;
-  rows_ = gluingRows + contact;
-  const std::vector<double> q(weights.data(), weights.data() + weights.size());
-  gluing_ = previous ? previous->gluing_ : CoarseProblem::assemble(*dual.GGT->placement(), gluingRows, q);
-  CoarseProblem::Holds weak = holds;
-  for (auto& hold : weak) hold *= std::sqrt(kWeakHold);
-  coarse_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), contact, q, weak, gluing_);
+  active_ = Y * contactRows_;
+  coarse_.renew(active_, q_);
+}
+
+// G_A x on this rank
+Eigen::VectorXd ActiveCoarseProjection::sumUp(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd g = gluingRows_.transpose() * x;
+  g += active_.transpose() * x;
+  return g;
+}
+
+Eigen::VectorXd ActiveCoarseProjection::spread(const Eigen::VectorXd& a) const {
+  Eigen::VectorXd x = gluingRows_ * a;
+  x += active_ * a;
+  return x;
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
-  const Eigen::VectorXd mine = rows_.transpose() * weights_.cwiseProduct(residual);
-  residual -= rows_ * Eigen::VectorXd(coarse_->solveSum(mine));
+  residual -= spread(coarse_.solveSum(sumUp(weights_.cwiseProduct(residual))));
 }
 
-void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const { z -= carry(rows_.transpose() * z); }
+void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const { z -= carry(sumUp(z)); }
 
 Eigen::VectorXd ActiveCoarseProjection::carry(const Eigen::VectorXd& mine) const {
-  return weights_.cwiseProduct(Eigen::VectorXd(rows_ * Eigen::VectorXd(coarse_->solveSum(mine))));
+  return weights_.cwiseProduct(spread(coarse_.solveSum(mine)));
 }
 
 }  // namespace Haptos

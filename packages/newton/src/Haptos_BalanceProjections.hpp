@@ -52,11 +52,13 @@ class GluingBalance {
 /// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
 class ActiveCoarseProjection {
  public:
-  /// \param gluingRows G^T with contact rows emptied, \param weights [rows] D, \param modes [pairs]
-  /// \param previous one with the same weights, whose part from the gluing rows is taken over; may be null.  Collective.
+  /// \brief With every contact row active; `renew` follows.
+  /// \param gluingRows G^T with contact rows emptied, \param weights [rows] D; both are kept by reference.  Collective.
   ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows, const std::vector<PairLaw>& pairs,
-                         const LawLinearization& law, const std::vector<TangentialModes>& modes, const Eigen::VectorXd& weights,
-                         const CoarseProblem::Holds& holds, const ActiveCoarseProjection* previous = nullptr);
+                         const Eigen::VectorXd& weights, const CoarseProblem::Holds& holds);
+
+  /// \brief Takes the active rows of this law.  \param modes [pairs].  Collective.
+  void renew(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
   void projectDual(Eigen::VectorXd& residual) const;  ///< Collective
   void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
@@ -65,10 +67,15 @@ class ActiveCoarseProjection {
   Eigen::VectorXd carry(const Eigen::VectorXd& mine) const;
 
  private:
+  Eigen::VectorXd sumUp(const Eigen::VectorXd& x) const;
+  Eigen::VectorXd spread(const Eigen::VectorXd& a) const;
+
+  const CoarseRows& gluingRows_;
+  CoarseRows contactRows_;  // G^T with gluing rows emptied
   const Eigen::VectorXd& weights_;
-  CoarseRows rows_;
-  CoarseProblem::Blocks gluing_;  // the part of the matrix that the active set does not change
-  std::unique_ptr<CoarseProblem> coarse_;
+  std::vector<double> q_;   // the weights
+  CoarseRows active_;       // contactRows_ weighted by the law
+  CoarseProblem coarse_;
 };
 
 }  // namespace Haptos

@@ -58,7 +58,8 @@ void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinear
   preconditioner_.prepare(pairs, law, modes_);
   if (!coarseIsStale(law)) return;
   preparedFor_ = law.dP;
-  coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, balance_.gluingRows(), pairs, law, modes_, weights_, balance_.holds(), coarse_.get());
+  if (!coarse_) coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, balance_.gluingRows(), pairs, weights_, balance_.holds());
+  coarse_->renew(pairs, law, modes_);
 }
 
 Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {

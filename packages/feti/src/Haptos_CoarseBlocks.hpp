@@ -1,0 +1,65 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/SparseCore>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "Haptos_CoarsePlacement.hpp"
+
+namespace Haptos {
+
+/// Rows: owned dual rows of this rank; columns: all coarse unknowns, 6 x subdomain + mode (global).
+using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// \brief The lower triangle of a symmetric coarse matrix in 6 x 6 blocks (s, t), s >= t, of global subdomains.
+class CoarseBlocks {
+ public:
+  static constexpr int kModes = 6;
+  using Block = std::array<double, kModes * kModes>;  ///< by rows
+  using Map = std::unordered_map<std::uint64_t, Block>;
+
+  CoarseBlocks() = default;
+  /// \brief C^T diag(q) C of this rank's rows; q empty: 1.
+  CoarseBlocks(const CoarseRows& C, const std::vector<double>& q);
+  /// \brief sum of w w^T over coarse vectors w.
+  explicit CoarseBlocks(const std::vector<Eigen::SparseVector<double>>& vectors);
+
+  /// \brief The sum over the ranks on the holders of a factor, the same digits on all of them; empty elsewhere.
+  ///
+  /// Every block has an owner, who adds up what the ranks have of it in the order of the ranks.  Collective.
+  CoarseBlocks onHolders(const CoarsePlacement& placement, Eigen::Index subdomains) const;
+
+  void add(const CoarseBlocks& other, double factor = 1);
+  double largestDiagonal() const;  ///< 0 without blocks
+  const Map& blocks() const { return blocks_; }
+  std::size_t size() const { return blocks_.size(); }
+
+  static int row(std::uint64_t key) { return int(key >> 32); }
+  static int column(std::uint64_t key) { return int(key & 0xffffffffu); }
+
+ private:
+  Map blocks_;
+};
+
+/// \brief Both triangles of a coarse matrix, compressed by columns, whose pattern stays.
+class CoarseMatrix {
+ public:
+  CoarseMatrix() = default;
+  /// \brief Of `size` unknowns, with zeros where `pattern` has blocks.
+  CoarseMatrix(const CoarseBlocks& pattern, Eigen::Index size);
+
+  /// \brief Values := sum of the parts, whose blocks lie within the pattern.
+  void set(const std::vector<const CoarseBlocks*>& parts);
+
+  const Eigen::SparseMatrix<double>& matrix() const { return matrix_; }
+
+ private:
+  void addBlock(int s, int t, const CoarseBlocks::Block& block);
+
+  std::vector<std::vector<int>> rowsOfColumn_;  // [subdomains] ascending block rows
+  Eigen::SparseMatrix<double> matrix_;
+};
+
+}  // namespace Haptos
