@@ -31,41 +31,57 @@ class Measured {
 
 }  // namespace
 
-CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const CoarseRows& X, const std::vector<double>& q,
-                             const Holds& holds)
+CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
     : placement_(std::move(placement)) {
-  CoarseCosts& costs = placement_->costs();
-  const Measured measured(costs.setUpSeconds, costs.setUpSent);
-  fixed_ = CoarseBlocks(C, q).onHolders(*placement_, C.cols() / kModes);
-  const CoarseBlocks changing = X.nonZeros() == 0 && placement_->comm().getSize() == 1
-                                    ? CoarseBlocks()
-                                    : CoarseBlocks(X, q).onHolders(*placement_, C.cols() / kModes);
-  CoarseBlocks pattern = fixed_;
-  pattern.add(changing);
-  if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
-  const CoarseBlocks held(holds);
-  fixed_.add(held, pattern.largestDiagonal());
-  pattern.add(held);
-  matrix_ = CoarseMatrix(pattern, C.cols());
-  factor(changing);
+  const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
+  fixed_ = sumUp({C, q});
+  makePattern(fixed_, C.cols(), holds);
+  factor({});
 }
 
-CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
-    : CoarseProblem(std::move(placement), C, CoarseRows(C.rows(), C.cols()), q, holds) {}
+CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds)
+    : placement_(std::move(placement)) {
+  const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
+  fixed_ = sumUp(fixed);
+  fixedMatrix_ = CoarseMatrix(fixed_, fixed.rows.cols());
+  fixedMatrix_.set({&fixed_});
+  const CoarseBlocks first = sumUp(changing);
+  CoarseBlocks pattern = fixed_;
+  pattern.add(first);
+  makePattern(pattern, fixed.rows.cols(), holds);
+}
+
+CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
+  return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
+}
+
+void CoarseProblem::makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds) {
+  CoarseCosts& costs = placement_->costs();
+  if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
+  const CoarseBlocks vectors(holds);
+  held_.add(vectors, pattern.largestDiagonal());
+  pattern.add(vectors);
+  matrix_ = CoarseMatrix(pattern, size);
+}
 
 CoarseProblem::CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
     : CoarseProblem(std::make_shared<CoarsePlacement>(Teuchos::rcpFromRef(comm), C.cols(), CoarseOptions{INT_MAX, 1}), C, q, holds) {}
 
-void CoarseProblem::renew(const CoarseRows& X, const std::vector<double>& q) {
+void CoarseProblem::renew(const Weighted& changing) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
-  factor(CoarseBlocks(X, q).onHolders(*placement_, X.cols() / kModes));
+  factor(sumUp(changing));
+}
+
+Eigen::MatrixXd CoarseProblem::multiplyFixed(const Eigen::MatrixXd& a) const {
+  if (!placement_->holds()) return {};
+  return fixedMatrix_.matrix() * a;
 }
 
 void CoarseProblem::factor(const CoarseBlocks& changing) {
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    matrix_.set({&fixed_, &changing});
+    matrix_.set({&fixed_, &held_, &changing});
     if (factor_) factor_->renew(matrix_.matrix());
     else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
     costs.factorEntries = std::max(costs.factorEntries, factor_->factorEntries());

@@ -25,13 +25,21 @@ class CoarseProblem {
   CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
   /// \brief With a factor on every rank.
   CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
-  /// \brief A = C^T diag(q) C + X^T diag(q) X, where X may be `renew`ed within its subdomains.  Collective.
-  CoarseProblem(Placement placement, const CoarseRows& C, const CoarseRows& X, const std::vector<double>& q, const Holds& holds);
-
-  /// \brief Another X in A: its part alone is added up and sent, and the factor's analysis stays.  Collective.
+  /// \brief Rows [m x l] with positive weights [m], or none for 1.
+  struct Weighted {
+    const CoarseRows& rows;
+    const std::vector<double>& q;
+  };
+  /// \brief A = C^T diag(q) C of the fixed rows and of those that `renew` brings, which must be called before a solve.
   ///
-  /// \param X rows that touch pairs of subdomains which a row of the first X or C touched as well.
-  void renew(const CoarseRows& X, const std::vector<double>& q);
+  /// \param changing all pairs of subdomains that changing rows may touch.  Collective.
+  CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds);
+
+  /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
+  void renew(const Weighted& changing);
+
+  /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.
+  Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
 
   /// \brief x := A^-1 b; b is the same on all ranks, so is x.  Collective where not every rank has the factor.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
@@ -46,10 +54,13 @@ class CoarseProblem {
 
  private:
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
+  CoarseBlocks sumUp(const Weighted& part) const;
+  void makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds);
   void factor(const CoarseBlocks& changing);
 
   Placement placement_;
-  CoarseBlocks fixed_;   // on the holders, holds among them
+  CoarseBlocks fixed_, held_;  // on the holders
+  CoarseMatrix fixedMatrix_;   // made where something may change
   CoarseMatrix matrix_;
   std::unique_ptr<LocalSolverFactor> factor_;  // null where this rank holds none
   mutable long solves_ = 0;

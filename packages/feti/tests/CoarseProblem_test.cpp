@@ -40,6 +40,14 @@ struct Model {
   }
 };
 
+// C^T diag(q) C b, summed over the ranks
+Dense gathered(const CoarseRows& C, const Dense& b, const std::vector<double>& q) {
+  const Dense mine = C.transpose() * (Eigen::Map<const Eigen::VectorXd>(q.data(), Eigen::Index(q.size())).asDiagonal() * Dense(C * b));
+  Dense sum(mine.rows(), mine.cols());
+  Teuchos::reduceAll(*Tpetra::getDefaultComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), sum.data());
+  return sum;
+}
+
 // b as a sum of different parts of the ranks.
 Dense partOf(const Dense& b, const Communicator& comm) {
   const double ranks = comm.getSize(), mine = comm.getRank() + 1;
@@ -91,17 +99,21 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
   const Dense b = someColumns(even.cols(), 2);
   for (const Case& c : allCases(m.feti.comm->getSize())) {
     const auto placement = m.place(c.options);
-    CoarseProblem A(placement, even, odd, m.q, {});
+    CoarseProblem A(placement, {even, m.q}, {odd, m.q}, {});
     const Dense wanted = CoarseProblem(*m.feti.comm, m.feti.G->rows(), m.q, {}).solve(b);
+    A.renew({odd, m.q});
     TEST_ASSERT(largest(A.solve(b) - wanted) <= 1e-12 * largest(wanted));
     for (double factor : {3.0, 0.25}) {
       const CoarseRows other = factor * odd, all = even + other;
       const Dense fresh = CoarseProblem(*m.feti.comm, all, m.q, {}).solve(b);
-      A.renew(other, m.q);
+      A.renew({other, m.q});
       TEST_ASSERT(largest(A.solve(b) - fresh) <= 1e-12 * largest(fresh));
       TEST_ASSERT(largest(fresh - wanted) > 1e-3 * largest(wanted));
     }
     TEST_EQUALITY(placement->costs().setUps, 3L);
+    Dense fixed = gathered(even, b, m.q), product = A.multiplyFixed(b);
+    TEST_EQUALITY(product.size() > 0, placement->holds());
+    if (product.size() > 0) TEST_ASSERT(largest(product - fixed) <= 1e-12 * largest(fixed));
   }
 }
 

@@ -50,16 +50,21 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
 
 namespace {
 
-// The rows of G^T that contact can make active.
-CoarseRows keepContactRows(const CoarseRows& rows, const std::vector<PairLaw>& pairs) {
-  Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
-  for (const PairLaw& pair : pairs)
-    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]})
-      if (row >= 0) keep[row] = 1;
-  CoarseRows result = keep.asDiagonal() * rows;
-  result.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0.0; });
+// Rows of G^T in the order of contact values.
+CoarseRows contactRowsOf(const CoarseRows& rows, const std::vector<PairLaw>& pairs) {
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      const int row = d == 0 ? pairs[i].normal : pairs[i].tangential[d - 1];
+      if (row < 0) continue;
+      for (CoarseRows::InnerIterator it(rows, row); it; ++it) triplets.emplace_back(int(3 * i) + d, int(it.col()), it.value());
+    }
+  CoarseRows result(3 * Eigen::Index(pairs.size()), rows.cols());
+  result.setFromTriplets(triplets.begin(), triplets.end());
   return result;
 }
+
+std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
 CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
@@ -69,54 +74,69 @@ CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
 
 }  // namespace
 
-ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows,
-                                               const std::vector<PairLaw>& pairs, const Eigen::VectorXd& weights,
-                                               const CoarseProblem::Holds& holds)
-    : gluingRows_(gluingRows),
-      contactRows_(keepContactRows(*dual.GT, pairs)),
+ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const GluingBalance& gluing, const DualVectors& vectors,
+                                               const Eigen::VectorXd& weights)
+    : gluing_(gluing),
+      vectors_(vectors),
       weights_(weights),
-      q_(weights.data(), weights.data() + weights.size()),
+      q_(listOf(weights)),
+      contactWeights_(listOf(vectors.contact(weights))),
+      contactRows_(contactRowsOf(*dual.GT, dual.pairs)),
       active_(contactRows_),
-      coarse_(dual.GGT->placement(), gluingRows, contactRows_, q_, weakened(holds)) {}
+      coarse_(dual.GGT->placement(), {gluing.gluingRows(), q_}, {contactRows_, contactWeights_}, weakened(gluing.holds())) {}
 
-void ActiveCoarseProjection::renew(const std::vector<PairLaw>& pairs, const LawLinearization& law,
-                                   const std::vector<TangentialModes>& modes) {
+void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vector<TangentialModes>& modes) {
   std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t i = 0; i < pairs.size(); ++i) {
-    if (law.closed[i]) triplets.emplace_back(pairs[i].normal, pairs[i].normal, 1.0);
+  for (std::size_t i = 0; i < modes.size(); ++i) {
+    const int at = 3 * int(i);
+    if (law.closed[i]) triplets.emplace_back(at, at, 1.0);
     if (!law.tangential[i]) continue;
     const Eigen::Matrix2d Y = modes[i].E * modes[i].theta.cwiseSqrt().asDiagonal() * modes[i].E.transpose();
     for (int a = 0; a < 2; ++a)
       for (int b = 0; b < 2; ++b)
-        if (Y(a, b) != 0.0) triplets.emplace_back(pairs[i].tangential[a], pairs[i].tangential[b], Y(a, b));
+        if (Y(a, b) != 0.0) triplets.emplace_back(at + 1 + a, at + 1 + b, Y(a, b));
   }
   CoarseRows Y(contactRows_.rows(), contactRows_.rows());
   Y.setFromTriplets(triplets.begin(), triplets.end());
   active_ = Y * contactRows_;
-  coarse_.renew(active_, q_);
-}
-
-// G_A x on this rank
-Eigen::VectorXd ActiveCoarseProjection::sumUp(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd g = gluingRows_.transpose() * x;
-  g += active_.transpose() * x;
-  return g;
-}
-
-Eigen::VectorXd ActiveCoarseProjection::spread(const Eigen::VectorXd& a) const {
-  Eigen::VectorXd x = gluingRows_ * a;
-  x += active_ * a;
-  return x;
+  coarse_.renew({active_, contactWeights_});
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
-  residual -= spread(coarse_.solveSum(sumUp(weights_.cwiseProduct(residual))));
+  const Eigen::Map<const Eigen::VectorXd> contactWeights(contactWeights_.data(), Eigen::Index(contactWeights_.size()));
+  const Eigen::VectorXd contact = vectors_.contact(residual);
+  Eigen::VectorXd mine = gluing_.gluingRows().transpose() * weights_.cwiseProduct(residual);
+  mine += active_.transpose() * contactWeights.cwiseProduct(contact);
+  const Eigen::VectorXd a = coarse_.solveSum(mine);
+  residual -= gluing_.gluingRows() * a;
+  vectors_.setContact(residual, contact - active_ * a);
 }
 
-void ActiveCoarseProjection::projectPrimal(Eigen::VectorXd& z) const { z -= carry(sumUp(z)); }
+PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
+    : active_(active), gluingSum_(active.gluing_.gluingRows().transpose() * z), a_(Eigen::VectorXd::Zero(gluingSum_.size())) {}
 
-Eigen::VectorXd ActiveCoarseProjection::carry(const Eigen::VectorXd& mine) const {
-  return weights_.cwiseProduct(spread(coarse_.solveSum(mine)));
+// Takes gluingSum + contactSum off by all active rows; returns what the contact values are to change by.
+Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
+  const auto& weights = active_.contactWeights_;
+  const Eigen::VectorXd a = active_.coarse_.solveSum(gluingSum_ + contactSum, active_.coarse_.multiplyFixed(a_));
+  a_ += a;
+  return -Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).cwiseProduct(Eigen::VectorXd(active_.active_ * a));
+}
+
+Eigen::VectorXd PrimalBalance::project(const Eigen::VectorXd& contact) {
+  return contact + spread(active_.active_.transpose() * contact);
+}
+
+Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(active_.contactRows_.transpose() * contact); }
+
+void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
+  const CoarseRows& gluingRows = active_.gluing_.gluingRows();
+  const Eigen::VectorXd mine = gluingSum_ + active_.contactRows_.transpose() * contact;
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> ab(a_.size(), 2);
+  ab << a_, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a_));
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> spreads = gluingRows * ab;
+  z -= active_.weights_.cwiseProduct(spreads.col(0)) + spreads.col(1);
+  active_.vectors_.setContact(z, contact);
 }
 
 }  // namespace Haptos

@@ -27,6 +27,9 @@ class GluingBalance {
 
   Eigen::VectorXd applyG(const Eigen::VectorXd& v) const;  ///< Collective
 
+  /// \brief b with G_E G_E^T b = sum over ranks of `mine` - `shift`.  Collective.
+  Eigen::VectorXd solve(const Eigen::VectorXd& mine, const Eigen::MatrixXd& shift) const { return EE_->solveSum(mine, shift); }
+
   const CoarseRows& gluingRows() const { return gluingRows_; }  ///< G^T with contact rows emptied
   Eigen::Index numFloating() const { return Zk_.cols(); }
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
@@ -52,30 +55,51 @@ class GluingBalance {
 /// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
 class ActiveCoarseProjection {
  public:
-  /// \brief With every contact row active; `renew` follows.
-  /// \param gluingRows G^T with contact rows emptied, \param weights [rows] D; both are kept by reference.  Collective.
-  ActiveCoarseProjection(const ContactOperators& dual, const CoarseRows& gluingRows, const std::vector<PairLaw>& pairs,
-                         const Eigen::VectorXd& weights, const CoarseProblem::Holds& holds);
+  /// \brief Of which rows may become active; `renew` follows before any use.
+  /// \param gluing, weights [rows] D, vectors are kept by reference.  Collective.
+  ActiveCoarseProjection(const ContactOperators& dual, const GluingBalance& gluing, const DualVectors& vectors,
+                         const Eigen::VectorXd& weights);
 
   /// \brief Takes the active rows of this law.  \param modes [pairs].  Collective.
-  void renew(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
+  void renew(const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
   void projectDual(Eigen::VectorXd& residual) const;  ///< Collective
-  void projectPrimal(Eigen::VectorXd& z) const;       ///< Collective
-
-  /// \brief D G_A^T (G_A D G_A^T)^-1 (sum over ranks of `mine`): takes the force imbalance `mine` away.  Collective.
-  Eigen::VectorXd carry(const Eigen::VectorXd& mine) const;
 
  private:
-  Eigen::VectorXd sumUp(const Eigen::VectorXd& x) const;
-  Eigen::VectorXd spread(const Eigen::VectorXd& a) const;
+  friend class PrimalBalance;
 
-  const CoarseRows& gluingRows_;
-  CoarseRows contactRows_;  // G^T with gluing rows emptied
+  const GluingBalance& gluing_;
+  const DualVectors& vectors_;
   const Eigen::VectorXd& weights_;
-  std::vector<double> q_;   // the weights
-  CoarseRows active_;       // contactRows_ weighted by the law
+  std::vector<double> q_, contactWeights_;  // D of the rows, of the contact values
+  CoarseRows contactRows_, active_;         // [3 pairs x l] G_c^T; weighted by the law
   CoarseProblem coarse_;
+};
+
+/// \brief Balances a direction z while its contact values follow the law, G_A D G_A^T a = imbalance again and again.
+///
+/// The gluing rows, which are most of all, are summed up once at the start and corrected once at the end; between,
+/// G_E z_E is carried on by the coarse matrix of the gluing rows.
+class PrimalBalance {
+ public:
+  PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z);
+
+  /// \brief The primal projection: contact values of z after it.  \param contact those before.  Collective.
+  Eigen::VectorXd project(const Eigen::VectorXd& contact);
+
+  /// \brief Spreads the imbalance that z has with these contact values over all active rows; returns what they are to
+  /// change by.  Collective.
+  Eigen::VectorXd carry(const Eigen::VectorXd& contact);
+
+  /// \brief z with these contact values, balanced at last by the gluing rows alone: G z = 0.  Collective.
+  void finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z);
+
+ private:
+  Eigen::VectorXd spread(const Eigen::VectorXd& contactSum);
+
+  const ActiveCoarseProjection& active_;
+  Eigen::VectorXd gluingSum_;  // [l] this rank's G_E z_E at the start
+  Eigen::VectorXd a_;          // [l] taken off so far: D G_E^T a
 };
 
 }  // namespace Haptos

@@ -58,8 +58,8 @@ void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinear
   preconditioner_.prepare(pairs, law, modes_);
   if (!coarseIsStale(law)) return;
   preparedFor_ = law.dP;
-  if (!coarse_) coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, balance_.gluingRows(), pairs, weights_, balance_.holds());
-  coarse_->renew(pairs, law, modes_);
+  if (!coarse_) coarse_ = std::make_unique<ActiveCoarseProjection>(dual_, balance_, vectors_, weights_);
+  coarse_->renew(law, modes_);
 }
 
 Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {
@@ -82,9 +82,9 @@ Eigen::VectorXd NewtonDirection::residual(const std::vector<PairLaw>& pairs, con
   return result;
 }
 
-Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
-                                           const Eigen::VectorXd& z) const {
-  const Eigen::VectorXd zc = vectors_.contact(z), lambda = vectors_.contact(point.lambda), s = vectors_.contact(point.s);
+Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const ContactPoint& point,
+                                           const Eigen::VectorXd& zc) const {
+  const auto& [lambda, s, pointPhi] = point;
   Eigen::VectorXd out = -lambda;  // open pairs let go
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Index at = 3 * Eigen::Index(i);
@@ -96,7 +96,7 @@ Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, co
     if (!law.tangential[i]) continue;
     const TangentialModes& m = modes_[i];
     const Eigen::Vector2d Pg = m.E.transpose() * law.dP[i].block<2, 1>(1, 0);
-    const Eigen::Vector2d phi = m.E.transpose() * point.phi.segment<2>(at + 1);
+    const Eigen::Vector2d phi = m.E.transpose() * pointPhi.segment<2>(at + 1);
     Eigen::Vector2d t = m.E.transpose() * zc.segment<2>(at + 1);
     for (int k = 0; k < 2; ++k) {
       if (m.isHeld(k)) {
@@ -113,14 +113,12 @@ Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, co
 
 // Slip drags tangential forces along with normal ones, which unbalances the subdomains again.  Their balance is
 // restored by all active rows, as the law allows; by the gluing rows alone it costs half of the convergence.
-void NewtonDirection::balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, Eigen::VectorXd& z) const {
+Eigen::VectorXd NewtonDirection::balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, PrimalBalance& balance,
+                                              Eigen::VectorXd contact) const {
   constexpr int kSweeps = 2;  // each leaves about a tenth, the coefficient of friction times the coupling
-  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(z.size()), noPhi = Eigen::VectorXd::Zero(law.phi.size());
-  for (int sweep = 0; sweep < kSweeps; ++sweep) {
-    Eigen::VectorXd change = -coarse_->carry(dual_.GT->transpose() * z);
-    vectors_.setContact(change, followLaw(pairs, law, {zero, zero, noPhi}, change));
-    z += change;
-  }
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(contact.size());
+  for (int sweep = 0; sweep < kSweeps; ++sweep) contact += followLaw(pairs, law, {zero, zero, zero}, balance.carry(contact));
+  return contact;
 }
 
 // Contact forces of the direction must not push floating bodies: what is left is spread by the law, then cleaned.
@@ -148,13 +146,12 @@ Eigen::VectorXd NewtonDirection::compute(const std::vector<PairLaw>& pairs, cons
   Eigen::VectorXd r = residual(pairs, law, point);
   coarse_->projectDual(r);
   Eigen::VectorXd z = preconditioner_.apply(r);
-  coarse_->projectPrimal(z);
-  vectors_.setContact(z, followLaw(pairs, law, point, z));
-  balanceByLaw(pairs, law, z);
-  Eigen::VectorXd contact = vectors_.contact(z);
+  PrimalBalance balance(*coarse_, z);
+  const ContactPoint at{vectors_.contact(point.lambda), vectors_.contact(point.s), point.phi};
+  Eigen::VectorXd contact = followLaw(pairs, law, at, balance.project(vectors_.contact(z)));
+  contact = balanceByLaw(pairs, law, balance, std::move(contact));
   holdFloatingBodies(law, contact);
-  vectors_.setContact(z, contact);
-  balance_.balance(z);
+  balance.finish(contact, z);
   return z;
 }
 

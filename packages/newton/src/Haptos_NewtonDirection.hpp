@@ -34,9 +34,14 @@ class NewtonDirection {
   bool coarseIsStale(const LawLinearization& law) const;
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law);
   Eigen::VectorXd residual(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const;
-  Eigen::VectorXd followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point,
-                            const Eigen::VectorXd& z) const;
-  void balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, Eigen::VectorXd& z) const;
+  // Contact values [3 pairs] of a Point.
+  struct ContactPoint {
+    Eigen::VectorXd lambda, s, phi;
+  };
+  Eigen::VectorXd followLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, const ContactPoint& point,
+                            const Eigen::VectorXd& zc) const;
+  Eigen::VectorXd balanceByLaw(const std::vector<PairLaw>& pairs, const LawLinearization& law, PrimalBalance& balance,
+                               Eigen::VectorXd contact) const;
   void holdFloatingBodies(const LawLinearization& law, Eigen::VectorXd& contact) const;
   double tangentialStiffness(const PairLaw& pair) const;
 
