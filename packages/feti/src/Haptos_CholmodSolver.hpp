@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "Haptos_SupernodalFactor.hpp"
+
 namespace Haptos {
 
 /// \brief CHOLMOD as an Amesos2 solver: A = P^T L L^T P for symmetric positive definite A.
@@ -19,6 +21,9 @@ namespace Haptos {
 /// has it and AMD fills in much; where unknowns come in threes, the nodes instead of them) and analyses,
 /// `numericFactorization` computes L, supernodal where that pays.
 /// `solve` takes any number of right-hand sides.  One object must not solve in two threads at once.
+///
+/// A supernodal L is solved with by SupernodalFactor, which takes its place: it is smaller, and faster on one right-hand side.
+/// The parameter "Single Precision" (bool, false) keeps it in single precision, for preconditioners; L is computed in double.
 ///
 /// Source: Chen, Davis, Hager, Rajamanickam, ACM Trans. Math. Softw. 35 (2008) 22.
 template <class Matrix, class Vector>
@@ -49,18 +54,27 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   int numericFactorization_impl();
   int solve_impl(const Teuchos::Ptr<Adapter> X, const Teuchos::Ptr<const Adapter> B) const;
   bool matrixShapeOK_impl() const;
-  void setParameters_impl(const Teuchos::RCP<Teuchos::ParameterList>&) {}
-  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters_impl() const { return Teuchos::parameterList(); }
+  void setParameters_impl(const Teuchos::RCP<Teuchos::ParameterList>& list) { single_ = list->get<bool>("Single Precision", single_); }
+  Teuchos::RCP<const Teuchos::ParameterList> getValidParameters_impl() const {
+    const auto list = Teuchos::parameterList();
+    list->set("Single Precision", false, "Keep a supernodal factor in single precision");
+    return list;
+  }
   bool loadA_impl(Amesos2::EPhase phase);
 
   std::vector<int> orderByNodes();
   cholmod_sparse sparseView() const;
   int failedColumn() const;
   std::size_t countEntries() const;
+  void takeSupernodes();
+  void solveByCholmod(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
   void freeWorkspaces() const;
 
   mutable cholmod_common common_;
-  cholmod_factor* factor_ = nullptr;
+  cholmod_factor* factor_ = nullptr;  // symbolic only while one of the two below has L
+  SupernodalFactor<double> inDouble_;
+  SupernodalFactor<float> inSingle_;
+  bool single_ = false;
   mutable cholmod_dense* solution_ = nullptr;    // kept between solves of one column, as are the two workspaces
   mutable cholmod_dense* workspaceY_ = nullptr;
   mutable cholmod_dense* workspaceE_ = nullptr;
@@ -192,8 +206,20 @@ int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
   TEUCHOS_TEST_FOR_EXCEPTION(!ran, std::runtime_error,
                              "CHOLMOD: the factorisation of " << a.nrow << " unknowns failed with status "
                                                               << common_.status << " (-2: out of memory)");
+  if (factor_->is_super) takeSupernodes();
   this->setNnzLU(countEntries());
   return 0;
+}
+
+template <class Matrix, class Vector>
+void CholmodSolver<Matrix, Vector>::takeSupernodes() {
+  const SupernodeView view{int(factor_->n), int(factor_->nsuper), static_cast<const int*>(factor_->super),
+                           static_cast<const int*>(factor_->pi), static_cast<const int*>(factor_->px),
+                           static_cast<const int*>(factor_->s), static_cast<const int*>(factor_->Perm),
+                           static_cast<const double*>(factor_->x)};
+  if (single_) inSingle_ = SupernodalFactor<float>(view);
+  else inDouble_ = SupernodalFactor<double>(view);
+  cholmod_change_factor(CHOLMOD_PATTERN, 1, 1, 1, 1, factor_, &common_);  // the analysis stays, L goes
 }
 
 template <class Matrix, class Vector>
@@ -204,7 +230,7 @@ int CholmodSolver<Matrix, Vector>::failedColumn() const {
 
 template <class Matrix, class Vector>
 std::size_t CholmodSolver<Matrix, Vector>::countEntries() const {
-  if (factor_->is_super) return factor_->xsize;  // as stored: full trapezoids
+  if (factor_->is_super) return single_ ? inSingle_.entries() : inDouble_.entries();
   const int* counts = static_cast<const int*>(factor_->nz);
   std::size_t entries = 0;
   for (std::size_t j = 0; j < factor_->n; ++j) entries += counts[j];
@@ -214,30 +240,38 @@ std::size_t CholmodSolver<Matrix, Vector>::countEntries() const {
 template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::solve_impl(const Teuchos::Ptr<Adapter> X,
                                               const Teuchos::Ptr<const Adapter> B) const {
-  const std::size_t n = this->globalNumRows_, columns = B->getGlobalNumVectors();
-  TEUCHOS_ASSERT(B->isConstantStride() && X->isConstantStride() && X->getGlobalNumVectors() == columns);
+  const Eigen::Index n = Eigen::Index(this->globalNumRows_), columns = Eigen::Index(B->getGlobalNumVectors());
+  TEUCHOS_ASSERT(B->isConstantStride() && X->isConstantStride() && Eigen::Index(X->getGlobalNumVectors()) == columns);
   const auto firstB = B->getVector(0);
   const auto firstX = X->getVectorNonConst(0);
+  using Columns = Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>>;
+  const Columns b(const_cast<double*>(firstB->getLocalViewHost(Tpetra::Access::ReadOnly).data()), n, columns,
+                  Eigen::OuterStride<>(std::max<Eigen::Index>(n, Eigen::Index(B->getStride()))));
+  Columns x(firstX->getLocalViewHost(Tpetra::Access::OverwriteAll).data(), n, columns,
+            Eigen::OuterStride<>(std::max<Eigen::Index>(n, Eigen::Index(X->getStride()))));
+  if (!factor_->is_super) solveByCholmod(b, x);
+  else if (single_) inSingle_.solve(b, x);
+  else inDouble_.solve(b, x);
+  return 0;
+}
 
+template <class Matrix, class Vector>
+void CholmodSolver<Matrix, Vector>::solveByCholmod(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
   cholmod_dense b{};
-  b.nrow = n;
-  b.ncol = columns;
-  b.d = std::max(n, B->getStride());
-  b.nzmax = b.d * columns;
-  b.x = const_cast<double*>(firstB->getLocalViewHost(Tpetra::Access::ReadOnly).data());
+  b.nrow = std::size_t(B.rows());
+  b.ncol = std::size_t(B.cols());
+  b.d = std::size_t(B.outerStride());
+  b.nzmax = b.d * b.ncol;
+  b.x = const_cast<double*>(B.data());
   b.xtype = CHOLMOD_REAL;
   b.dtype = CHOLMOD_DOUBLE;
-
   const bool solved = cholmod_solve2(CHOLMOD_A, factor_, &b, nullptr, &solution_, nullptr, &workspaceY_, &workspaceE_,
                                      &common_);
   TEUCHOS_TEST_FOR_EXCEPTION(!solved, std::runtime_error,
-                             "CHOLMOD: a solve with " << columns << " columns failed with status " << common_.status);
-  const double* from = static_cast<const double*>(solution_->x);
-  double* to = firstX->getLocalViewHost(Tpetra::Access::OverwriteAll).data();
-  for (std::size_t j = 0; j < columns; ++j)
-    std::copy_n(from + j * solution_->d, n, to + j * X->getStride());
-  if (columns > 1) freeWorkspaces();  // they have the width of the solve
-  return 0;
+                             "CHOLMOD: a solve with " << B.cols() << " columns failed with status " << common_.status);
+  X = Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>>(static_cast<const double*>(solution_->x), B.rows(), B.cols(),
+                                                                  Eigen::OuterStride<>(Eigen::Index(solution_->d)));
+  if (B.cols() > 1) freeWorkspaces();  // they have the width of the solve
 }
 
 }  // namespace Haptos

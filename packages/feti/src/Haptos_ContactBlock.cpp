@@ -15,21 +15,6 @@ using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 bool isContact(RowKind kind) { return kind == RowKind::Normal || kind == RowKind::Tangential; }
 
-// S(c, c) by solves for the unit vectors of c, in blocks
-Eigen::MatrixXd denseBlock(const DualPreconditioner& M, int congruenceClass, const std::vector<int>& c) {
-  constexpr Eigen::Index kWidth = 64;
-  const Eigen::Index n = M.boundarySize(congruenceClass), nc = Eigen::Index(c.size());
-  Eigen::MatrixXd S(nc, nc);
-  for (Eigen::Index first = 0; first < nc; first += kWidth) {
-    const Eigen::Index width = std::min(kWidth, nc - first);
-    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(n, width), Y(n, width);
-    for (Eigen::Index j = 0; j < width; ++j) X(c[std::size_t(first + j)], j) = 1;
-    M.applySchur(congruenceClass, X, Y);
-    for (Eigen::Index i = 0; i < nc; ++i) S.row(i).segment(first, width) = Y.row(c[std::size_t(i)]);
-  }
-  return 0.5 * (S + S.transpose());
-}
-
 template <class Predicate>
 RCP<const Map> subsetMap(const Map& map, Predicate&& isKept) {
   std::vector<GlobalOrdinal> kept;
@@ -107,7 +92,7 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
       positionOf[c][std::size_t(boundary[i])] = int(unknowns_[c].size());
       unknowns_[c].push_back(int(i));
     }
-    if (isDense && !all.empty()) dense_[c] = denseBlock(*preconditioner_, int(c), unknowns_[c]);
+    if (isDense && !all.empty()) dense_[c] = preconditioner_->schurBlock(int(c), unknowns_[c]);
     first_.push_back(size_);
     for (int member : members[c]) {
       if (nodes[member].empty()) continue;

@@ -123,6 +123,21 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   Y = y.cast<double>() * (scale_ * unit);
 }
 
+Eigen::MatrixXd DenseSymmetric::block(const std::vector<int>& c) const {
+  const Eigen::Index m = Eigen::Index(c.size());
+  const auto at = [&](Eigen::Index i, Eigen::Index j) {  // i >= j
+    const auto k = std::size_t(storage_ == Storage::Packed ? j * n_ - j * (j + 1) / 2 + i : j * n_ + i);
+    return singles_.empty() ? doubles_[k] : scale_ * double(singles_[k]);
+  };
+  Eigen::MatrixXd part(m, m);
+  for (Eigen::Index j = 0; j < m; ++j)
+    for (Eigen::Index i = 0; i < m; ++i) {
+      const Eigen::Index a = c[std::size_t(i)], b = c[std::size_t(j)];
+      part(i, j) = at(std::max(a, b), std::min(a, b));
+    }
+  return part;
+}
+
 std::size_t DenseSymmetric::bytes(Eigen::Index n, Storage storage, Precision precision) {
   const std::size_t entries = storage == Storage::Packed ? std::size_t(n) * std::size_t(n + 1) / 2 : std::size_t(n) * std::size_t(n);
   return entries * (precision == Precision::Double ? sizeof(double) : sizeof(float));

@@ -40,6 +40,9 @@ class DenseSymmetric {
   /// \brief Y := A X, both [n x m], columns apart in memory as they like; they must not overlap.
   void apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
 
+  /// \brief A(c, c)
+  Eigen::MatrixXd block(const std::vector<int>& c) const;
+
   static std::size_t bytes(Eigen::Index n, Storage storage, Precision precision);
 
  private:

@@ -12,6 +12,11 @@ namespace {
 
 constexpr int kBlock = 64;
 
+LocalSchur makeSchur(const LocalSystem& system, const std::vector<int>& boundary, PreconditionerKind kind, LocalSolverMethod method) {
+  if (kind == PreconditionerKind::Lumped) return LocalSchur::lumped(system.K, boundary, FactorPrecision::Single);
+  return {system.K, system.R, boundary, method, FactorPrecision::Single};
+}
+
 Eigen::VectorXd boundaryDiagonal(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary) {
   Eigen::VectorXd d(Eigen::Index(boundary.size()));
   for (std::size_t i = 0; i < boundary.size(); ++i) d[Eigen::Index(i)] = K.coeff(boundary[i], boundary[i]);
@@ -23,7 +28,7 @@ Eigen::VectorXd boundaryDiagonal(const Eigen::SparseMatrix<double>& K, const std
 DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems,
                                        const std::vector<Subdomain>& subdomains, PreconditionerKind kind,
                                        LocalSolverMethod method)
-    : jump_(std::move(jump)), systems_(std::move(systems)), gram_(jump_->multipliers()) {
+    : jump_(std::move(jump)), systems_(std::move(systems)), gram_(jump_->multipliers()), kind_(kind) {
   const auto& offsets = jump_->primalOffsets();
   weights_.assign(offsets.back(), 0.0);
   for (const auto& entry : jump_->multipliers().overlapEntries())
@@ -34,27 +39,18 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
     const auto* condensed = kind == PreconditionerKind::Dirichlet ? systems_->condensationOf(c) : nullptr;
     boundary_.push_back(condensed ? condensed->boundary() : surfaceDofs(subdomains[first]));
     condensed_.push_back(condensed);
-    schur_.push_back(kind == PreconditionerKind::Dirichlet && !condensed
-                         ? std::make_unique<LocalSchur>(system.K, system.R, boundary_.back(), method)
-                         : nullptr);
+    schur_.push_back(condensed ? nullptr : std::make_unique<LocalSchur>(makeSchur(system, boundary_.back(), kind, method)));
   }
 }
 
 void DualPreconditioner::applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const {
-  if (condensed_[congruenceClass]) {
-    condensed_[congruenceClass]->applySchur(X, Y);
-    return;
-  }
-  if (schur_[congruenceClass]) {
-    schur_[congruenceClass]->apply(X, Y);
-    return;
-  }
-  const auto& dofs = boundary_[congruenceClass];
-  const auto& K = (*systems_)[systems_->members()[congruenceClass].front()].K;
-  Eigen::MatrixXd full = Eigen::MatrixXd::Zero(K.rows(), X.cols());
-  for (std::size_t i = 0; i < dofs.size(); ++i) full.row(dofs[i]) = X.row(Eigen::Index(i));
-  const Eigen::MatrixXd product = K * full;
-  for (std::size_t i = 0; i < dofs.size(); ++i) Y.row(Eigen::Index(i)) = product.row(dofs[i]);
+  if (condensed_[congruenceClass]) condensed_[congruenceClass]->applySchur(X, Y);
+  else schur_[congruenceClass]->apply(X, Y);
+}
+
+Eigen::MatrixXd DualPreconditioner::schurBlock(int congruenceClass, const std::vector<int>& c) const {
+  if (condensed_[congruenceClass]) return condensed_[congruenceClass]->schurBlock(c);
+  return schur_[congruenceClass]->block(c);
 }
 
 void DualPreconditioner::applyLocal(MultiVector& t, const std::vector<std::vector<int>>& membersOfClass) const {
@@ -108,7 +104,7 @@ RCP<Vector> DualPreconditioner::diagonal() const {
     const auto& members = systems_->members()[c];
     const auto& K = (*systems_)[members.front()].K;
     Eigen::VectorXd d = boundaryDiagonal(K, boundary_[c]);
-    if (condensed_[c] || schur_[c]) d *= kSchurOfStiffness;
+    if (kind_ == PreconditionerKind::Dirichlet) d *= kSchurOfStiffness;
     for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
     for (int member : members)
       for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary_[c][i]] = d[i];

@@ -43,6 +43,9 @@ class DualPreconditioner final : public Operator {
   /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
   void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
 
+  /// \brief S(c, c) of one class, `c` positions in its boundary list; symmetric.
+  Eigen::MatrixXd schurBlock(int congruenceClass, const std::vector<int>& c) const;
+
   const JumpOperator& jump() const { return *jump_; }
   const RowGram& gram() const { return gram_; }
   const LocalSystems& systems() const { return *systems_; }
@@ -57,8 +60,9 @@ class DualPreconditioner final : public Operator {
   RowGram gram_;
   std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
   std::vector<std::vector<int>> boundary_;     // [classes] boundary dofs
-  std::vector<const LocalCondensation*> condensed_;      // [classes] of systems_; null where S acts by solves or is K_bb
-  std::vector<std::unique_ptr<LocalSchur>> schur_;      // [classes] null where condensed or lumped
+  std::vector<const LocalCondensation*> condensed_;      // [classes] of systems_; null where schur_ acts
+  std::vector<std::unique_ptr<LocalSchur>> schur_;      // [classes] null where condensed
+  PreconditionerKind kind_;
   mutable long applications_ = 0;
 };
 

@@ -36,6 +36,9 @@ class LocalCondensation {
   /// Y := S X, [nb x m]; S is kept in single precision, good enough for a preconditioner.
   void applySchur(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const { schur_.apply(X, Y); }
 
+  /// S(c, c), `c` positions in the boundary list.
+  Eigen::MatrixXd schurBlock(const std::vector<int>& c) const { return schur_.block(c); }
+
   /// Y := (K^+)_bb X, [nb x m].
   void applyInverse(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const { inverse_.apply(X, Y); }
 

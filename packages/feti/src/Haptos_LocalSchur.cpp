@@ -5,6 +5,7 @@
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "Haptos_FixingNodes.hpp"
 
@@ -63,54 +64,100 @@ Eigen::MatrixXd interiorKernel(const Eigen::MatrixXd& kernel, const std::vector<
 }  // namespace
 
 LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
-                       const std::vector<int>& boundary, LocalSolverMethod method) {
+                       const std::vector<int>& boundary, LocalSolverMethod method, FactorPrecision precision) {
   TEUCHOS_ASSERT(K.rows() == K.cols() && K.rows() == kernel.rows());
   const auto interior = complement(K.rows(), boundary);
-  Kbb_ = extract(K, boundary, boundary);
-  Kib_ = extract(K, interior, boundary);
+  keep(extract(K, boundary, boundary), extract(K, interior, boundary), precision);
   if (interior.empty()) return;
   const auto Z = interiorKernel(kernel, boundary, interior);
   interiorKernelSize_ = Z.cols();
   auto Kii = regularizeByFixing(extract(K, interior, interior), Z, chooseFixingUnknowns(Z));
-  interior_ = std::make_unique<LocalSolverFactor>(std::move(Kii), method);
+  interior_ = std::make_unique<LocalSolverFactor>(std::move(Kii), method, precision);
   interior_->releaseMatrix();
+}
+
+LocalSchur LocalSchur::lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision) {
+  LocalSchur result;
+  result.keep(extract(K, boundary, boundary), {}, precision);
+  return result;
 }
 
 LocalSchur::~LocalSchur() = default;
 LocalSchur::LocalSchur(LocalSchur&&) noexcept = default;
 
-Eigen::Index LocalSchur::size() const { return Kbb_.rows(); }
+void LocalSchur::keep(const Eigen::SparseMatrix<double>& Kbb, const Eigen::SparseMatrix<double>& Kib, FactorPrecision precision) {
+  size_ = Kbb.rows();
+  isSingle_ = precision == FactorPrecision::Single;
+  if (!isSingle_) {
+    double_ = {Kbb, Kib};
+    return;
+  }
+  const double largest = Kbb.nonZeros() > 0 ? Kbb.coeffs().abs().maxCoeff() : 0.0;
+  if (largest > 0) scale_ = largest;
+  single_ = {(Kbb / scale_).cast<float>(), (Kib / scale_).cast<float>()};
+}
+
+Eigen::Index LocalSchur::size() const { return size_; }
 Eigen::Index LocalSchur::interiorKernelSize() const { return interiorKernelSize_; }
 
 void LocalSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   TEUCHOS_ASSERT(X.rows() == size() && Y.rows() == size() && X.cols() == Y.cols());
   for (Eigen::Index first = 0; first < X.cols(); first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, X.cols() - first);
-    const auto x = X.middleCols(first, width);
-    auto y = Y.middleCols(first, width);
-    y.noalias() = Kbb_ * x;
-    subtractInterior(x, y);
+    if (isSingle_) applyParts(single_, X.middleCols(first, width), Y.middleCols(first, width));
+    else applyParts(double_, X.middleCols(first, width), Y.middleCols(first, width));
   }
 }
 
-/// Y -= K_bi K_ii^+ K_ib X; K_ib X lies in the range of K_ii, so any generalised inverse will do.
-void LocalSchur::subtractInterior(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
-  if (!interior_ || X.rows() == 0) return;
-  const Eigen::MatrixXd force = Kib_ * X;
-  Eigen::MatrixXd motion(force.rows(), force.cols());
-  interior_->solve(force, motion);
-  Y.noalias() -= Kib_.transpose() * motion;
+/// Y := K_bb X - K_bi K_ii^+ K_ib X; K_ib X lies in the range of K_ii, so any generalised inverse will do.
+template <class Scalar>
+void LocalSchur::applyParts(const Parts<Scalar>& parts, const Eigen::Ref<const Eigen::MatrixXd>& X,
+                            Eigen::Ref<Eigen::MatrixXd> Y) const {
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  if (X.size() == 0) return;
+  const double largest = isSingle_ ? X.cwiseAbs().maxCoeff() : 1.0, unit = largest > 0 ? largest : 1.0;
+  const Matrix x = (X / unit).template cast<Scalar>();
+  Matrix y = parts.Kbb * x;
+  if (interior_) {
+    const Eigen::MatrixXd force = Matrix(parts.Kib * x).template cast<double>() * scale_;
+    Eigen::MatrixXd motion(force.rows(), force.cols());
+    interior_->solve(force, motion);
+    y.noalias() -= parts.Kib.transpose() * Matrix(motion.template cast<Scalar>());
+  }
+  Y = y.template cast<double>() * (scale_ * unit);
 }
 
-Eigen::MatrixXd LocalSchur::dense() const {
-  Eigen::MatrixXd S = Kbb_;
-  for (Eigen::Index first = 0; first < size(); first += blockWidth) {
-    const Eigen::Index width = std::min(blockWidth, size() - first);
-    Eigen::MatrixXd unit = Eigen::MatrixXd::Zero(size(), width);
-    for (Eigen::Index j = 0; j < width; ++j) unit(first + j, j) = 1.0;
-    subtractInterior(unit, S.middleCols(first, width));
+/// K_cc - K_ci K_ii^+ K_ic
+template <class Scalar>
+Eigen::MatrixXd LocalSchur::blockOf(const Parts<Scalar>& parts, const std::vector<int>& c) const {
+  const Eigen::Index n = Eigen::Index(c.size());
+  std::vector<int> position(std::size_t(size()), -1);
+  for (Eigen::Index i = 0; i < n; ++i) position[std::size_t(c[std::size_t(i)])] = int(i);
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kbb, c[std::size_t(j)]); it; ++it)
+      if (position[std::size_t(it.row())] >= 0) S(position[std::size_t(it.row())], j) = scale_ * double(it.value());
+  if (!interior_) return S;
+  for (Eigen::Index first = 0; first < n; first += blockWidth) {
+    const Eigen::Index width = std::min(blockWidth, n - first);
+    Eigen::MatrixXd force = Eigen::MatrixXd::Zero(parts.Kib.rows(), width), motion(parts.Kib.rows(), width);
+    for (Eigen::Index j = 0; j < width; ++j)
+      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kib, c[std::size_t(first + j)]); it; ++it)
+        force(it.row(), j) = scale_ * double(it.value());
+    interior_->solve(force, motion);
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kib, c[std::size_t(i)]); it; ++it)
+        S.row(i).segment(first, width) -= scale_ * double(it.value()) * motion.row(it.row());
   }
   return 0.5 * (S + S.transpose());
+}
+
+Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const { return isSingle_ ? blockOf(single_, c) : blockOf(double_, c); }
+
+Eigen::MatrixXd LocalSchur::dense() const {
+  std::vector<int> all(std::size_t(size()), 0);
+  std::iota(all.begin(), all.end(), 0);
+  return block(all);
 }
 
 }  // namespace Haptos

@@ -16,6 +16,9 @@ namespace Haptos {
 /// interior (a kernel vector of K that vanishes on b) leaves K_ii singular; S exists all the same, and K_ii is
 /// then regularised as a floating subdomain is.  Nothing communicates.
 ///
+/// In single precision, which is enough for a preconditioner, it takes half the memory and time; entries and vectors are
+/// scaled, so that the range does not depend on the units.
+///
 /// Use: the Dirichlet preconditioner of FETI, Farhat, Mandel, Roux, Comput. Methods Appl. Mech. Engng. 115 (1994) 365.
 class LocalSchur {
  public:
@@ -25,7 +28,9 @@ class LocalSchur {
   /// \throws InputError if CHOLMOD is asked for and not built in.
   /// \throws std::runtime_error if K_ii does not factor.
   LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
-             LocalSolverMethod method = LocalSolverMethod::Automatic);
+             LocalSolverMethod method = LocalSolverMethod::Automatic, FactorPrecision precision = FactorPrecision::Double);
+  /// \brief K_bb in the place of S: the lumped preconditioner's, an upper bound of it.
+  static LocalSchur lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision);
   ~LocalSchur();
   LocalSchur(LocalSchur&&) noexcept;
 
@@ -34,15 +39,31 @@ class LocalSchur {
   /// Y := S X, both nb x m, by one solve with K_ii.  X and Y must not overlap.
   void apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
 
+  /// S(c, c), exactly symmetric; costs a solve with K_ii for each of `c`, positions in the boundary list, in blocks.
+  Eigen::MatrixXd block(const std::vector<int>& c) const;
+
   /// S itself, nb x nb, exactly symmetric; costs nb solves with K_ii, done in blocks.
   Eigen::MatrixXd dense() const;
 
   Eigen::Index interiorKernelSize() const;  ///< dimension of the kernel of K_ii; 0 unless b does not hold i
 
  private:
-  void subtractInterior(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+  template <class Scalar>
+  struct Parts {
+    Eigen::SparseMatrix<Scalar> Kbb, Kib;
+  };
+  LocalSchur() = default;
+  void keep(const Eigen::SparseMatrix<double>& Kbb, const Eigen::SparseMatrix<double>& Kib, FactorPrecision precision);
+  template <class Scalar>
+  void applyParts(const Parts<Scalar>& parts, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+  template <class Scalar>
+  Eigen::MatrixXd blockOf(const Parts<Scalar>& parts, const std::vector<int>& c) const;
 
-  Eigen::SparseMatrix<double> Kbb_, Kib_;
+  Parts<double> double_;  // one of the two; the other is empty
+  Parts<float> single_;
+  bool isSingle_ = false;
+  double scale_ = 1;      // of the single precision entries
+  Eigen::Index size_ = 0;
   Eigen::Index interiorKernelSize_ = 0;
   std::unique_ptr<LocalSolverFactor> interior_;  // null without interior unknowns
 };

@@ -42,6 +42,17 @@ RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
 #endif
 }
 
+void requestSinglePrecision(AmesosSolver& solver) {
+#if defined(HAPTOS_OWN_CHOLMOD)
+  if (solver.name() != CholmodSolver<CrsMatrix, MultiVector>::name) return;
+  const auto list = Teuchos::parameterList("Amesos2");
+  list->sublist(solver.name()).set("Single Precision", true);
+  solver.setParameters(list);
+#else
+  (void)solver;
+#endif
+}
+
 /// A copy of `A`; Tpetra 13.2 and later insist on owning their memory.
 RCP<CrsMatrix> copyMatrix(const Eigen::SparseMatrix<double>& A, const RCP<const Map>& map) {
   using LocalMatrix = CrsMatrix::local_matrix_device_type;
@@ -86,7 +97,7 @@ struct LocalSolverFactor::Impl {
   }
 };
 
-LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method)
+LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision)
     : impl_(std::make_unique<Impl>()) {
   TEUCHOS_ASSERT(A.rows() == A.cols() && A.rows() > 0);
   A.makeCompressed();
@@ -97,6 +108,7 @@ LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverM
   impl_->starts.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
   impl_->cholmod = method == LocalSolverMethod::Cholmod || (method == LocalSolverMethod::Automatic && hasCholmod());
   impl_->solver = createSolver(impl_->A, impl_->cholmod);
+  if (precision == FactorPrecision::Single) requestSinglePrecision(*impl_->solver);
   impl_->solver->symbolicFactorization().numericFactorization();
   impl_->single = std::make_unique<Columns>(impl_->map, 1);
 }

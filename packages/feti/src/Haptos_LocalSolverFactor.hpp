@@ -9,6 +9,9 @@ namespace Haptos {
 /// Which direct solver factors a subdomain.  `Automatic`: CHOLMOD where it was built in, else KLU2.
 enum class LocalSolverMethod { Automatic, Cholmod, Klu2 };
 
+/// What a factor is kept in once computed; CHOLMOD of ours only, elsewhere it is double.  Single serves preconditioners.
+enum class FactorPrecision { Double, Single };
+
 /// Whether this build can factor by CHOLMOD.
 bool hasCholmod();
 
@@ -26,7 +29,7 @@ class LocalSolverFactor {
 
   /// \throws InputError if CHOLMOD is asked for and not built in.
   /// \throws std::runtime_error if A is not positive definite; CHOLMOD names the column.
-  LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method);
+  LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision = FactorPrecision::Double);
   ~LocalSolverFactor();
   LocalSolverFactor(LocalSolverFactor&&) noexcept;
 

@@ -112,3 +112,39 @@ TEUCHOS_UNIT_TEST(CholmodSolver, NamesTheColumnOfAnIndefiniteMatrix) {
     TEST_EQUALITY(solver.getStatus().getNumNumericFact(), 0);
   }
 }
+
+// L in single precision: the answer has its digits, and refinement the rest.
+TEUCHOS_UNIT_TEST(CholmodSolver, KeepsASupernodalFactorInSinglePrecision) {
+  const auto a = makeGrid(12, 0.1);
+  for (int columns : {1, 5}) {
+    const auto x = rcp(new MultiVector(a->getRowMap(), columns)), b = rcp(new MultiVector(a->getRowMap(), columns));
+    b->randomize();
+    for (bool single : {false, true}) {
+      Solver solver(a, x, b);
+      const auto list = Teuchos::parameterList("Amesos2");
+      list->sublist("CHOLMOD").set("Single Precision", single);
+      solver.setParameters(list);
+      solver.symbolicFactorization().numericFactorization().solve();
+      const double error = residual(*a, *x, *b);
+      TEST_COMPARE(error, <=, single ? 1e-4 : 1e-12);
+      if (single) TEST_COMPARE(error, >, 1e-10);
+      TEST_ASSERT(solver.getStatus().getNnzLU() > 0);
+    }
+  }
+}
+
+// Another matrix of the same pattern goes through the same analysis.
+TEUCHOS_UNIT_TEST(CholmodSolver, FactorsAnewWithTheSameAnalysis) {
+  const auto a = makeGrid(12, 0.1);
+  const auto x = rcp(new MultiVector(a->getRowMap(), 2)), b = rcp(new MultiVector(a->getRowMap(), 2));
+  b->randomize();
+  Solver solver(a, x, b);
+  solver.symbolicFactorization().numericFactorization();
+  const auto entries = solver.getStatus().getNnzLU();
+  a->resumeFill();
+  a->scale(3.0);
+  a->fillComplete();
+  solver.numericFactorization().solve();
+  TEST_COMPARE(residual(*a, *x, *b), <=, 1e-12);
+  TEST_EQUALITY(solver.getStatus().getNnzLU(), entries);
+}

@@ -67,6 +67,8 @@ Dense denseM(const Scene& scene, PreconditionerKind kind) {
   return M;
 }
 
+constexpr double kSingle = 2e-6;  // what single precision leaves of an entry, in parts of the largest
+
 RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
   return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic));
 }
@@ -77,10 +79,11 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
   const Scene s = scene();
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s), dense = makeFeti(Tpetra::getDefaultComm(), s, LocalDual::Explicit);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
-    const Dense M = denseOf(*make(feti, kind)), single = denseOf(*make(dense, kind)), reference = denseM(s, kind);
-    TEST_ASSERT(largest(M - reference) < 1e-10 * largest(reference));
-    TEST_ASSERT(largest(single - reference) < 1e-5 * largest(reference));
-    TEST_EQUALITY(largest(single - reference) > 1e-9 * largest(reference), kind == PreconditionerKind::Dirichlet);
+    const Dense bySolves = denseOf(*make(feti, kind)), byMatrices = denseOf(*make(dense, kind)), reference = denseM(s, kind);
+    for (const Dense& M : {bySolves, byMatrices}) {
+      TEST_ASSERT(largest(M - reference) < kSingle * largest(reference));
+      TEST_ASSERT(largest(M - reference) > 1e-9 * largest(reference));  // it is kept in single precision
+    }
   }
   TEST_ASSERT(largest(denseM(s, PreconditionerKind::Dirichlet) - denseM(s, PreconditionerKind::Lumped)) >
               1e-2 * largest(denseM(s, PreconditionerKind::Lumped)));  // the interiors are not empty
@@ -91,8 +94,8 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
     const Dense M = denseOf(*make(feti, kind));
-    TEST_ASSERT(largest(M - M.transpose()) < 1e-12 * largest(M));
-    TEST_ASSERT(smallestEigenvalue(M) > -1e-12 * largest(M));
+    TEST_ASSERT(largest(M - M.transpose()) < kSingle * largest(M));
+    TEST_ASSERT(smallestEigenvalue(M) > -kSingle * largest(M));
   }
 }
 
@@ -113,8 +116,8 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, ContactBlockAndContactRows) {
     contact += isContact(i);
     for (Eigen::Index j = 0; j < reference.cols(); ++j) {
       const double expected = isContact(i) && isContact(j) ? reference(i, j) : 0.0;
-      TEST_ASSERT(std::abs(between(i, j) - expected) < 1e-10 * largest(reference));
-      if (isContact(i)) TEST_ASSERT(std::abs(rows(i, j) - reference(i, j)) < 1e-10 * largest(reference));
+      TEST_ASSERT(std::abs(between(i, j) - expected) < kSingle * largest(reference));
+      if (isContact(i)) TEST_ASSERT(std::abs(rows(i, j) - reference(i, j)) < kSingle * largest(reference));
     }
   }
   TEST_ASSERT(contact > 0 && contact < reference.rows());
