@@ -30,14 +30,17 @@ struct LocalPrediction {
 };
 
 LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
-  constexpr double kApplications = 40, kTraffic = 2e10, kSparseTraffic = 1e10;  // [-], [bytes/s]
+  constexpr double kApplications = 30, kTraffic = 2e10, kSparseTraffic = 9e9;   // [-], [bytes/s]
   constexpr double kDense = 3e10, kProducts = 4e10, kSparseProducts = 2.5e10;   // [flops/s]
-  constexpr double kFillIn = 25, kFactor = 17e-3, kFactorSize = 2187;  // entries of L: 25 n^(4/3); seconds at 2187 unknowns
+  constexpr double kFillIn = 15, kFactor = 13e-3, kFactorSize = 2187;  // entries of L: 15 n^(4/3); seconds at 2187 unknowns
+  constexpr double kRowBytes = 480;  // of K_bb and K_ib for an unknown of the surface, in single precision
   const auto dense = LocalCondensation::cost(n, nb, members);
-  const double m = double(members), entries = kFillIn * (std::pow(n, 4.0 / 3) + std::pow(n - nb, 4.0 / 3));
+  const double m = double(members), whole = kFillIn * std::pow(n, 4.0 / 3), interior = kFillIn * std::pow(n - nb, 4.0 / 3);
   const double traffic = (m > 2 ? 12 : 6 * m) * nb * nb;  // P in double, S in single precision
   const double denseApply = traffic / kTraffic + (m > 2 ? 3 * nb * nb * m / kProducts : 0.0);
-  const double sparseApply = (m > 2 ? 1 : m) * 16 * entries / kSparseTraffic + (m > 2 ? 4 * entries * m / kSparseProducts : 0.0);
+  // L is read forward and, mostly, found in the cache backward; that of the interior is in single precision.
+  const double sparseTraffic = 10 * whole + 5 * interior + kRowBytes * nb;
+  const double sparseApply = (m > 2 ? 1 : m) * sparseTraffic / kSparseTraffic + (m > 2 ? 4 * (whole + interior) * m / kSparseProducts : 0.0);
   return {dense.flops / kDense + kApplications * denseApply,
           2 * kFactor * std::pow(n / kFactorSize, 1.8) + kApplications * sparseApply, dense.bytes};
 }
