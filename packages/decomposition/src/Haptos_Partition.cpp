@@ -16,7 +16,7 @@ namespace Haptos {
 namespace {
 
 // Small enough for cheap factors, large enough to keep the coarse problem small.
-constexpr double kElementsPerSubdomainHex = 216, kElementsPerSubdomainTet = 1500;
+constexpr double kElementsPerSubdomainHex = 180, kElementsPerSubdomainTet = 1500;
 
 struct Pieces {
   int count = 0;

@@ -79,7 +79,7 @@ def compare_petsc(program, n):
     peer = run_peer("peer_petsc.py", "-n", str(n))
     if peer is None:
         return
-    if not peer["residual"] < 1e-3:
+    if not peer["residual"] < 2e-6:
         print("  PETSc did not converge")
         return
     seconds = peer["setup"] + peer["solve"]
