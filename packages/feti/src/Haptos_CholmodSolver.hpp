@@ -94,7 +94,8 @@ CholmodSolver<Matrix, Vector>::CholmodSolver(Teuchos::RCP<const Matrix> A, Teuch
   common_.print = 0;          // failures are reported by exceptions
   common_.final_ll = 1;       // L L^T also when simplicial: L D L^T would accept an indefinite matrix
   common_.quick_return_if_not_posdef = 1;
-  for (auto& columns : common_.nrelax) columns = 0;  // zeros stored for wider supernodes cost every solve their bytes
+  common_.nrelax[0] = 6;  // zeros stored for wider supernodes cost every solve their bytes: two nodes' worth pays, more does not
+  common_.nrelax[1] = common_.nrelax[2] = 0;
 }
 
 template <class Matrix, class Vector>

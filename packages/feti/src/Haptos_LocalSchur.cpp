@@ -117,7 +117,7 @@ void LocalSchur::applyParts(const Parts<Scalar>& parts, const Eigen::Ref<const E
   if (X.size() == 0) return;
   const double largest = isSingle_ ? X.cwiseAbs().maxCoeff() : 1.0, unit = largest > 0 ? largest : 1.0;
   const Matrix x = (X / unit).template cast<Scalar>();
-  Matrix y = parts.Kbb * x;
+  Matrix y = parts.Kbb.transpose() * x;  // symmetric; sums by columns write nothing but their result
   if (interior_) {
     const Eigen::MatrixXd force = Matrix(parts.Kib * x).template cast<double>() * scale_;
     Eigen::MatrixXd motion(force.rows(), force.cols());
