@@ -12,6 +12,7 @@ KEYS = {
               "kernel_dimension": COUNT, "contact_pairs": COUNT, "discretization": str, "law": str, "left_out": list},
     "solver": {"method": str, "status": str, "reason": str, "outer_iterations": COUNT, "hessian_multiplications": COUNT,
                "preconditioner_applications": COUNT, "coarse_solves": COUNT, "local_solves": COUNT, "history": list,
+               "deflation": {"motions": COUNT, "applications": COUNT},
                "subspace": {"pairs": COUNT, "compressions": COUNT, "memory_mb": NUMBER}},
     "accuracy": {name: NUMBER for name in ("equilibrium", "continuity", "penetration", "compression",
                                            "complementarity", "cone", "slip_law", "kkt")},

@@ -124,7 +124,7 @@ std::string statesText(const ReferenceSolution& reference) {
 
 }  // namespace
 
-long promisedMultiplications(const std::string& method) { return method == "Subspace Newton" ? 150 : 0; }
+long promisedMultiplications(const std::string& method) { return method == "Subspace Newton" || method == "PCPG" ? 150 : 0; }
 
 SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options) {
   SceneOutcome outcome;

@@ -48,6 +48,7 @@ struct SceneOptions {
   bool contact = true, frictional = true;
   Point friction{1, 0, 0};  ///< principal direction
   double gap = 0;
+  double height = 1;        ///< of each body: 1 / 50 makes plates
   /// Components prescribed at a node of a body (0 lower, 1 upper) and their values; none by default.
   std::function<std::string(int body, const Point& x)> hold = [](int, const Point&) { return std::string(); };
   std::function<Point(const Point& x)> value = [](const Point& x) { return Point{0.1 * x[0], -0.2 * x[1], 0.3 * x[0]}; };
@@ -79,6 +80,11 @@ inline Mesh sceneMesh(const SceneOptions& o) {
       return y;
     };
   }
+  for (auto& box : boxes)
+    box.map = [inner = box.map, height = o.height](const Point& x) {
+      const Point y = inner(x);
+      return Point{y[0], y[1], height * y[2]};
+    };
   return makeBoxes(boxes);
 }
 

@@ -12,9 +12,11 @@ namespace {
 
 constexpr int kBlock = 64;
 
-LocalSchur makeSchur(const LocalSystem& system, const std::vector<int>& boundary, PreconditionerKind kind, LocalSolverMethod method) {
-  if (kind == PreconditionerKind::Lumped) return LocalSchur::lumped(system.K, boundary, FactorPrecision::Single);
-  return {system.K, system.R, boundary, method, FactorPrecision::Single};
+LocalSchur makeSchur(const LocalSystem& system, const std::vector<int>& boundary, PreconditionerKind kind, LocalSolverMethod method,
+                     bool exact) {
+  const FactorPrecision precision = exact ? FactorPrecision::Double : FactorPrecision::Single;
+  if (kind == PreconditionerKind::Lumped) return LocalSchur::lumped(system.K, boundary, precision);
+  return {system.K, system.R, boundary, method, precision};
 }
 
 Eigen::VectorXd boundaryDiagonal(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary) {
@@ -27,7 +29,7 @@ Eigen::VectorXd boundaryDiagonal(const Eigen::SparseMatrix<double>& K, const std
 
 DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems,
                                        const std::vector<Subdomain>& subdomains, PreconditionerKind kind,
-                                       LocalSolverMethod method)
+                                       LocalSolverMethod method, const std::vector<char>& inDouble)
     : jump_(std::move(jump)), systems_(std::move(systems)), gram_(jump_->multipliers()), kind_(kind) {
   const auto& offsets = jump_->primalOffsets();
   weights_.assign(offsets.back(), 0.0);
@@ -38,8 +40,10 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
     const LocalSystem& system = (*systems_)[first];
     const auto* condensed = kind == PreconditionerKind::Dirichlet ? systems_->condensationOf(c) : nullptr;
     boundary_.push_back(condensed ? condensed->boundary() : surfaceDofs(subdomains[first]));
+    const bool exact = std::size_t(first) < inDouble.size() && inDouble[std::size_t(first)];
+    if (exact) condensed = nullptr;
     condensed_.push_back(condensed);
-    schur_.push_back(condensed ? nullptr : std::make_unique<LocalSchur>(makeSchur(system, boundary_.back(), kind, method)));
+    schur_.push_back(condensed ? nullptr : std::make_unique<LocalSchur>(makeSchur(system, boundary_.back(), kind, method, exact)));
   }
 }
 
@@ -72,19 +76,32 @@ void DualPreconditioner::applyLocal(MultiVector& t, const std::vector<std::vecto
   }
 }
 
-void DualPreconditioner::applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
-  MultiVector z(x, Teuchos::Copy), t(jump_->getDomainMap(), 1);
-  gram_.apply(z, z);
-  jump_->apply(z, t, Teuchos::TRANS);
-  const auto scale = [&] {
-    const auto data = t.getDataNonConst(0);
+void DualPreconditioner::scale(MultiVector& t) const {
+  for (std::size_t v = 0; v < t.getNumVectors(); ++v) {
+    const auto data = t.getDataNonConst(v);
     for (std::size_t i = 0; i < weights_.size(); ++i) data[i] *= weights_[i];
-  };
-  scale();
-  applyLocal(t, members);
-  scale();
+  }
+}
+
+void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
+  MultiVector z(x.getMap(), x.getNumVectors());
+  gram_.apply(x, z);
+  jump_->apply(z, t, Teuchos::TRANS);
+  scale(t);
+}
+
+void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
+  MultiVector z(y.getMap(), y.getNumVectors());
+  scale(t);
   jump_->apply(t, z);
   gram_.apply(z, y);
+}
+
+void DualPreconditioner::applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
+  MultiVector t(jump_->getDomainMap(), 1);
+  spread(x, t);
+  applyLocal(t, members);
+  collect(t, y);
 }
 
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {

@@ -20,8 +20,9 @@ enum class PreconditionerKind { Dirichlet, Lumped };
 /// Sources: Farhat and Roux 1991 (lumped), Farhat, Mandel and Roux 1994 (Dirichlet), Rixen and Farhat 1999 (scaling).
 class DualPreconditioner final : public Operator {
  public:
+  /// \param inDouble [local subdomains, or empty] those whose S is kept in double precision instead of single
   DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, const std::vector<Subdomain>& subdomains,
-                     PreconditionerKind kind, LocalSolverMethod method);
+                     PreconditionerKind kind, LocalSolverMethod method, const std::vector<char>& inDouble = {});
 
   RCP<const Map> getDomainMap() const override { return jump_->getRangeMap(); }
   RCP<const Map> getRangeMap() const override { return jump_->getRangeMap(); }
@@ -40,6 +41,11 @@ class DualPreconditioner final : public Operator {
   /// subdomain; other rows are not those of M x.  Collective.
   void applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const;
 
+  /// \brief t := B_D^T x, dual to primal.  Collective.
+  void spread(const MultiVector& x, MultiVector& t) const;
+  /// \brief y := B_D t, primal to dual; t is changed.  Collective.
+  void collect(MultiVector& t, MultiVector& y) const;
+
   /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
   void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
 
@@ -54,6 +60,7 @@ class DualPreconditioner final : public Operator {
 
  private:
   void applyLocal(MultiVector& t, const std::vector<std::vector<int>>& members) const;
+  void scale(MultiVector& t) const;  // t := W t
 
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;

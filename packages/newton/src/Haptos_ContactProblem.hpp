@@ -3,6 +3,7 @@
 #include <BelosLinearProblem.hpp>
 #include <BelosTpetraAdapter.hpp>  // the traits of MultiVector and Operator, before any use of them
 #include <Eigen/Core>
+#include <functional>
 #include <vector>
 
 #include "Haptos_CoarseProblem.hpp"
@@ -24,6 +25,9 @@ struct ContactOperators {
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
   RCP<const Operator> contactM;       ///< M between contact rows, cheaper than M; null: M itself is used
   RCP<const Operator> contactRowsOfM; ///< M x of which only the contact rows are read; null: M itself is used
+  /// Makes, at a price, a better M with G M = 0 (DeflatedPreconditioner), or null; empty: there is none.  Collective.
+  std::function<RCP<const Operator>()> makeDeflatedM;
+  bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular

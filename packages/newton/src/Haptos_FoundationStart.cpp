@@ -13,17 +13,22 @@ struct State {
 
 class Foundation {
  public:
-  Foundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, double r, const Eigen::MatrixXd& H,
+  Foundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, const Eigen::VectorXd& r, const Eigen::MatrixXd& H,
              const Eigen::VectorXd& load, const DualVectors& vectors)
-      : pairs_(pairs), x_(x), r_(r), H_(H), load_(load), vectors_(vectors) {}
+      : pairs_(pairs), x_(x), r_(r), rH_(H), H_(H), load_(load), vectors_(vectors) {
+    for (Eigen::Index i = 0; i < r.size(); ++i) rH_.middleRows<3>(3 * i) *= r[i];
+    Eigen::Vector2d sums(r.sum(), double(r.size()));
+    vectors.sum(sums);
+    meanR_ = sums[0] / std::max(1.0, sums[1]);
+  }
 
   State evaluate(const Eigen::VectorXd& a) const {
-    const Eigen::VectorXd x = x_ + r_ * (H_ * a);
-    const auto law = linearizeLaw(pairs_, x, Eigen::VectorXd::Zero(x.size()), 1.0);
+    const Eigen::VectorXd x = x_ + rH_ * a;
+    const auto law = linearizeLaw(pairs_, x, Eigen::VectorXd::Zero(x.size()), Eigen::VectorXd::Ones(r_.size()));
     State state{a, x - law.phi, {}, {}};
     Eigen::MatrixXd PH(H_.rows(), H_.cols());
     for (std::size_t i = 0; i < law.dP.size(); ++i)
-      PH.middleRows<3>(3 * Eigen::Index(i)) = r_ * law.dP[i] * H_.middleRows<3>(3 * Eigen::Index(i));
+      PH.middleRows<3>(3 * Eigen::Index(i)) = law.dP[i] * rH_.middleRows<3>(3 * Eigen::Index(i));
     Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
     sums << H_.transpose() * PH, H_.transpose() * state.forces;
     vectors_.sum(sums);
@@ -35,7 +40,7 @@ class Foundation {
   // Everything closed and sticking.
   Eigen::VectorXd stuck() const {
     Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
-    sums << r_ * (H_.transpose() * H_), H_.transpose() * x_;
+    sums << H_.transpose() * rH_, H_.transpose() * x_;
     vectors_.sum(sums);
     return Eigen::MatrixXd(sums.leftCols(H_.cols())).completeOrthogonalDecomposition().solve(load_ - sums.rightCols(1));
   }
@@ -43,7 +48,7 @@ class Foundation {
   bool step(State& state) const {
     for (double mu : {0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0, 10.0}) {
       Eigen::MatrixXd J = state.J;
-      J.diagonal().array() += mu * r_;
+      J.diagonal().array() += mu * meanR_;
       const Eigen::VectorXd da = -J.fullPivLu().solve(state.h);
       if (!da.allFinite()) continue;
       for (double t = 1; t > 1e-2; t /= 2) {
@@ -60,7 +65,9 @@ class Foundation {
  private:
   const std::vector<PairLaw>& pairs_;
   const Eigen::VectorXd& x_;
-  double r_;
+  const Eigen::VectorXd& r_;
+  double meanR_;
+  Eigen::MatrixXd rH_;
   const Eigen::MatrixXd& H_;
   const Eigen::VectorXd& load_;
   const DualVectors& vectors_;
@@ -68,7 +75,7 @@ class Foundation {
 
 }  // namespace
 
-FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, double r,
+FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, const Eigen::VectorXd& r,
                                 const GluingBalance& balance, const DualVectors& vectors) {
   // In motions that are orthonormal on the contact surface the equations are well scaled.
   Eigen::MatrixXd HH = balance.H().transpose() * balance.H();

@@ -12,7 +12,7 @@ struct FoundationState {
 };
 
 /// \brief Newton's method, damped; gives contact forces for floating bodies to start from.  Collective.
-FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, double r,
+FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, const Eigen::VectorXd& r,
                                 const GluingBalance& balance, const DualVectors& vectors);
 
 }  // namespace Haptos

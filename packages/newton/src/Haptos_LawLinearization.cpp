@@ -6,7 +6,8 @@
 
 namespace Haptos {
 
-LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double r) {
+LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s,
+                              const Eigen::VectorXd& r) {
   LawLinearization result;
   result.r = r;
   result.phi.resize(lambda.size());
@@ -15,10 +16,10 @@ LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::Ve
   result.tangential.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Index at = 3 * Eigen::Index(i);
-    const Eigen::Vector3d x = lambda.segment<3>(at) + r * s.segment<3>(at);
+    const Eigen::Vector3d x = lambda.segment<3>(at) + r[Eigen::Index(i)] * s.segment<3>(at);
     const PairProjection P = pairs[i].project({x[0], x[1], x[2]});
     for (int a = 0; a < 3; ++a) {
-      result.phi[at + a] = (lambda[at + a] - P.point[a]) / r;
+      result.phi[at + a] = (lambda[at + a] - P.point[a]) / r[Eigen::Index(i)];
       for (int b = 0; b < 3; ++b) result.dP[i](a, b) = P.dPdx[a][b];
     }
     result.closed[i] = P.status != ContactStatus::Open;
@@ -28,7 +29,8 @@ LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::Ve
 }
 
 Eigen::MatrixXd LawLinearization::multiply(const Eigen::Ref<const Eigen::MatrixXd>& V, const Eigen::Ref<const Eigen::MatrixXd>& S) const {
-  Eigen::MatrixXd J = V / r;
+  Eigen::MatrixXd J = V;
+  for (Eigen::Index i = 0; i < r.size(); ++i) J.middleRows<3>(3 * i) /= r[i];
   Eigen::MatrixXd X = J + S;
   for (std::size_t i = 0; i < dP.size(); ++i)
     J.middleRows<3>(3 * Eigen::Index(i)).noalias() -= dP[i] * X.middleRows<3>(3 * Eigen::Index(i));

@@ -11,8 +11,10 @@ namespace Haptos {
 /// \brief The law as one equation per pair, phi = (lambda - P(lambda + r s)) / r = 0 [length], and its derivative.
 ///
 ///   d phi = A d lambda + B d s,   A = (I - P') / r,  B = -P'
+///
+/// r > 0 is free, and may differ from pair to pair.
 struct LawLinearization {
-  double r = 0;                       ///< [force/length]
+  Eigen::VectorXd r;                  ///< [pairs] [force/length]
   Eigen::VectorXd phi;                ///< [3 pairs]
   std::vector<Eigen::Matrix3d> dP;    ///< [pairs] P'
   std::vector<char> closed;           ///< [pairs] normal contact is closed
@@ -23,7 +25,9 @@ struct LawLinearization {
 };
 
 /// \param lambda, s contact values [3 pairs]
-LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double r);
+/// \param r [pairs]
+LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s,
+                              const Eigen::VectorXd& r);
 
 /// \brief The tangential part of one pair's P' in its eigenvectors, as the preconditioner needs it.
 struct TangentialModes {

@@ -32,10 +32,22 @@ NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::Vect
     if (contact[3 * i] > 0) normal.push_back(contact[3 * i]);
   for (double value : stiffness_)
     if (value > 0) all.push_back(value);
-  medianStiffness_ = globalMedian(vectors.comm(), normal);
-  const double median = globalMedian(vectors.comm(), all);
-  if (medianStiffness_ <= 0) medianStiffness_ = median;
+  const double onNormals = globalMedian(vectors.comm(), normal), median = globalMedian(vectors.comm(), all);
+  pairStiffness_ = Eigen::VectorXd::Constant(vectors.numPairs(), onNormals > 0 ? onNormals : median);
   weights_ = stiffness_ / (median > 0 ? median : 1.0);
+  const double pairs = vectors.sum(double(vectors.numPairs()));
+  mayHaveModel_ = dual.makeDeflatedM && pairs > 0 && pairs <= double(CondensedNewton::kLargest);
+}
+
+bool NewtonDirection::useModel() {
+  if (!mayHaveModel_) return hasModel();
+  mayHaveModel_ = false;
+  const RCP<const Operator> M = dual_.makeDeflatedM();
+  if (M.is_null()) return false;
+  condensed_ = std::make_unique<CondensedNewton>(M, vectors_);
+  const Eigen::VectorXd felt = condensed_->normalStiffness();
+  pairStiffness_ = (felt.array() > 0).select(felt, pairStiffness_);
+  return true;
 }
 
 double NewtonDirection::tangentialStiffness(const PairLaw& pair) const {
@@ -54,7 +66,7 @@ bool NewtonDirection::coarseIsStale(const LawLinearization& law) const {
 void NewtonDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
   modes_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r, tangentialStiffness(pairs[i]));
+    if (law.tangential[i]) modes_[i] = TangentialModes::of(law.dP[i], law.r[Eigen::Index(i)], tangentialStiffness(pairs[i]));
   preconditioner_.prepare(pairs, law, modes_);
   if (!coarseIsStale(law)) return;
   preparedFor_ = law.dP;
@@ -91,7 +103,7 @@ Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, co
     double dLambdaN = 0, dN = 0;
     if (law.closed[i]) {
       out[at] = dLambdaN = zc[at];
-      dN = zc[at] - law.r * s[at];  // change of lambda_N + r s_N, with s_N going to 0
+      dN = zc[at] - law.r[Eigen::Index(i)] * s[at];  // change of lambda_N + r s_N, with s_N going to 0
     }
     if (!law.tangential[i]) continue;
     const TangentialModes& m = modes_[i];
@@ -100,7 +112,7 @@ Eigen::VectorXd NewtonDirection::followLaw(const std::vector<PairLaw>& pairs, co
     Eigen::Vector2d t = m.E.transpose() * zc.segment<2>(at + 1);
     for (int k = 0; k < 2; ++k) {
       if (m.isHeld(k)) {
-        t[k] = Pg[k] * dN - law.r * phi[k];
+        t[k] = Pg[k] * dN - law.r[Eigen::Index(i)] * phi[k];
       } else {
         t[k] *= std::sqrt(m.theta[k]);
         if (m.isPartial(k)) t[k] += Pg[k] / (1 - m.sigma[k]) * dLambdaN;  // along the generator of the friction cone
@@ -126,22 +138,34 @@ void NewtonDirection::holdFloatingBodies(const LawLinearization& law, Eigen::Vec
   const Eigen::MatrixXd& H = balance_.H();
   const Eigen::Index k = H.cols();
   if (k == 0) return;
-  Eigen::MatrixXd PH(H.rows(), k);
+  Eigen::MatrixXd PH(H.rows(), k), rH(H.rows(), k);
   for (std::size_t i = 0; i < law.dP.size(); ++i)
-    PH.middleRows<3>(3 * Eigen::Index(i)) = law.r * law.dP[i] * H.middleRows<3>(3 * Eigen::Index(i));
-  Eigen::MatrixXd sums(k, 2 * k + 1);
-  sums << H.transpose() * PH, H.transpose() * H, H.transpose() * contact;
+    PH.middleRows<3>(3 * Eigen::Index(i)) = law.r[Eigen::Index(i)] * law.dP[i] * H.middleRows<3>(3 * Eigen::Index(i));
+  for (Eigen::Index i = 0; i < law.r.size(); ++i) rH.middleRows<3>(3 * i) = law.r[i] * H.middleRows<3>(3 * i);
+  Eigen::MatrixXd sums(k, 3 * k + 1);
+  sums << H.transpose() * PH, H.transpose() * H, H.transpose() * rH, H.transpose() * contact;
   vectors_.sum(sums);
   Eigen::MatrixXd K = sums.leftCols(k);
   const Eigen::MatrixXd HH = sums.middleCols(k, k);
-  K += 1e-8 * K.trace() * Eigen::MatrixXd::Identity(k, k) + 1e-10 * law.r * HH;
+  K += 1e-8 * K.trace() * Eigen::MatrixXd::Identity(k, k) + 1e-10 * sums.middleCols(2 * k, k);
   contact -= PH * K.partialPivLu().solve(sums.rightCols(1));
   Eigen::MatrixXd rest = H.transpose() * contact;
   vectors_.sum(rest);
   contact -= H * HH.completeOrthogonalDecomposition().solve(rest);
 }
 
+CondensedNewton::Step NewtonDirection::computeNonlinear(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const {
+  CondensedNewton::Step step = condensed_->direction(pairs, law.r, point.lambda, point.s);
+  balance_.balance(step.z);
+  return step;
+}
+
 Eigen::VectorXd NewtonDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) {
+  if (condensed_) {
+    Eigen::VectorXd z = condensed_->linearDirection(law, point.s, point.phi);
+    balance_.balance(z);
+    return z;
+  }
   prepare(pairs, law);
   Eigen::VectorXd r = residual(pairs, law, point);
   coarse_->projectDual(r);

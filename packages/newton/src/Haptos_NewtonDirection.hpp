@@ -4,6 +4,7 @@
 
 #include "Haptos_BalanceProjections.hpp"
 #include "Haptos_CompliantPreconditioner.hpp"
+#include "Haptos_CondensedNewton.hpp"
 
 namespace Haptos {
 
@@ -27,8 +28,18 @@ class NewtonDirection {
   /// \brief v with G v = 0, not normalised.  Collective.
   Eigen::VectorXd compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point);
 
-  /// \brief The preconditioner's nodal stiffness on normal rows, its median over all pairs [force/length].
-  double medianNormalStiffness() const { return medianStiffness_; }
+  /// \brief From now on directions come from `CondensedNewton`, if there is a better M and contact is small enough; changes
+  /// `pairStiffness`.  \return whether it is so.  Collective.
+  bool useModel();
+  bool mayHaveModel() const { return mayHaveModel_; }  ///< useModel was not called and could help
+  bool hasModel() const { return condensed_ != nullptr; }
+
+  /// \brief With a model: the direction for the law itself, not for its linearisation.  Collective.
+  CondensedNewton::Step computeNonlinear(const std::vector<PairLaw>& pairs, const LawLinearization& law, const Point& point) const;
+
+  /// \brief What r of the law is measured by [pairs]: the preconditioner's nodal stiffness on normal rows, its median over
+  /// all pairs; with a model the stiffness that each pair feels.
+  const Eigen::VectorXd& pairStiffness() const { return pairStiffness_; }
 
  private:
   bool coarseIsStale(const LawLinearization& law) const;
@@ -50,11 +61,13 @@ class NewtonDirection {
   const GluingBalance& balance_;
   Eigen::VectorXd stiffness_;  ///< [rows] diag(M)
   Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
-  double medianStiffness_ = 0;
+  Eigen::VectorXd pairStiffness_;
   std::vector<Eigen::Matrix3d> preparedFor_;
   std::vector<TangentialModes> modes_;
   std::unique_ptr<ActiveCoarseProjection> coarse_;
   CompliantPreconditioner preconditioner_;
+  std::unique_ptr<CondensedNewton> condensed_;
+  bool mayHaveModel_ = false;
 };
 
 /// \brief Median of this rank's and all other ranks' values.  Collective.

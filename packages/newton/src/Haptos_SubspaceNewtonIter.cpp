@@ -46,8 +46,8 @@ struct SubspaceNewtonIter::Trial {
 };
 
 SubspaceNewtonIter::SubspaceNewtonIter(const ContactOperators& dual, const DualVectors& vectors, const GluingBalance& balance,
-                                       NewtonDirection& direction, RecycledSubspace& subspace, double r)
-    : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), baseR_(r), r_(r) {}
+                                       NewtonDirection& direction, RecycledSubspace& subspace, Eigen::VectorXd r)
+    : dual_(dual), vectors_(vectors), balance_(balance), direction_(direction), subspace_(subspace), baseR_(std::move(r)), r_(baseR_) {}
 
 SubspaceNewtonIter::Trial SubspaceNewtonIter::evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const {
   Trial trial{linearizeLaw(*pairs_, lambda, s, r_), 0};
@@ -90,7 +90,15 @@ void SubspaceNewtonIter::makeRoom(const Eigen::VectorXd& dLambda, const Eigen::V
 void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
   const Eigen::VectorXd lambda = state.lambda + dLambda, s = state.s + dS;
   const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
-  Eigen::VectorXd v = direction_.compute(*pairs_, law_, {lambda, s, phi});
+  const bool nonlinear = direction_.hasModel() && !linear_;
+  Eigen::VectorXd v, sigma;
+  if (nonlinear) {
+    CondensedNewton::Step step = direction_.computeNonlinear(*pairs_, law_, {lambda, s, phi});
+    v = std::move(step.z);
+    sigma = std::move(step.sigma);
+  } else {
+    v = direction_.compute(*pairs_, law_, {lambda, s, phi});
+  }
   const double length = vectors_.norm(v);
   TEUCHOS_TEST_FOR_EXCEPTION(!std::isfinite(length), std::runtime_error,
                              "subspace Newton: the direction is not finite; is a stiffness or load out of range?");
@@ -100,6 +108,20 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
   const double size = vectors_.norm(sv);
   makeRoom(dLambda, dS, state);
   if (size > 0) subspace_.add(v / size, sv / size);
+  if (nonlinear) planStep(length * size, sigma);
+}
+
+// The whole step of the last direction, with the motions of floating bodies that bring the contact jumps nearest to -sigma.
+void SubspaceNewtonIter::planStep(double length, const Eigen::VectorXd& sigma) {
+  const Eigen::Index m = subspace_.size(), k = balance_.numFloating();
+  step_ = Eigen::VectorXd::Zero(m);
+  step_[m - 1] = length;
+  if (k == 0) return;
+  const auto H = subspace_.Sc().leftCols(k);
+  Eigen::MatrixXd sums(k, k + 1);
+  sums << H.transpose() * H, -(H.transpose() * (sigma + length * subspace_.Sc().col(m - 1)));
+  vectors_.sum(sums);
+  step_.head(k) = Eigen::MatrixXd(sums.leftCols(k)).completeOrthogonalDecomposition().solve(sums.rightCols(1));
 }
 
 // Directions for the frozen linearisation until its residual is below the target.
@@ -149,6 +171,12 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     law_ = std::move(trial.law);
     current = trial.norm;
   };
+  if (step_.size() == y.size()) {
+    const Eigen::VectorXd whole = step_;
+    Trial trial = at(whole);
+    if (trial.norm < current) take(whole, std::move(trial));
+    step_.resize(0);
+  }
   for (int step = 0; step < kGaussNewtonSteps; ++step) {
     const SmallSystem system = smallSystem(law_, q);
     const Eigen::VectorXd dy = system.solve();
@@ -186,10 +214,14 @@ bool SubspaceNewtonIter::progressIsPoor() const {
   return int(n) > kWindow && window_[n - 1] > kWindowFactor * window_[n - 1 - kWindow];
 }
 
+bool SubspaceNewtonIter::hasMorePenalties() const { return penaltyTried_ + 1 < int(std::size(kPenalties)); }
+
 // The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps.
 void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   window_.clear();
-  if (++penaltyTried_ < int(std::size(kPenalties))) {
+  const bool another = hasMorePenalties();
+  ++penaltyTried_;
+  if (another) {
     r_ = baseR_ * kPenalties[penaltyTried_];
     linearize(state);
     bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
@@ -241,11 +273,12 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       halved_ = norm_;
       halvedAt_ = applications();
     }
-    if (hasStalled(limits, 1)) {
-      stop = NewtonStop::Stalled;
+    const bool stalled = hasStalled(limits, 1), poor = !linear_ && progressIsPoor();
+    if (stalled || (poor && direction_.mayHaveModel() && !hasMorePenalties())) {
+      stop = direction_.mayHaveModel() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
-    if (!linear_ && progressIsPoor()) leavePlateau(state);
+    if (poor) leavePlateau(state);
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(state.lambda.size());
     if (linear_) linearPass(state, limits, std::max(kForcing * norm_, 0.3 * limits.tolerance * limits.reference));
     else if (needsDirection) addDirection(zero, zero, state);

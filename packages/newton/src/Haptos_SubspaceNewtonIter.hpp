@@ -13,7 +13,7 @@ struct NewtonState {
 };
 
 /// \brief Why the iteration came back.
-enum class NewtonStop { Converged, Stalled, Limit };
+enum class NewtonStop { Converged, Stalled, Plateau, Limit };  ///< Plateau: a model of the direction, not yet made, may help
 
 /// \brief When the iteration comes back.
 struct NewtonLimits {
@@ -34,12 +34,13 @@ struct NewtonLimits {
 class SubspaceNewtonIter {
  public:
   SubspaceNewtonIter(const ContactOperators& dual, const DualVectors& vectors, const GluingBalance& balance, NewtonDirection& direction,
-                     RecycledSubspace& subspace, double r);
+                     RecycledSubspace& subspace, Eigen::VectorXd r);
 
   /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
   NewtonStop iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits, bool needsDirection);
 
   /// \brief Where the multipliers and jumps started from: what came since is kept as one pair when pairs are dropped.
+  void setPenalty(Eigen::VectorXd r) { baseR_ = std::move(r); }  ///< [pairs], from the next `iterate` on
   void setOrigin(NewtonState origin) { origin_ = std::move(origin); }
 
   int steps() const { return steps_; }
@@ -52,11 +53,13 @@ class SubspaceNewtonIter {
 
   void linearize(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
+  void planStep(double length, const Eigen::VectorXd& sigma);
   void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
   double solveInSubspace(NewtonState& state);
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
+  bool hasMorePenalties() const;
   bool progressIsPoor() const;
   void leavePlateau(const NewtonState& state);
   Trial evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const;
@@ -68,11 +71,12 @@ class SubspaceNewtonIter {
   const GluingBalance& balance_;
   NewtonDirection& direction_;
   RecycledSubspace& subspace_;
-  double baseR_, r_;
+  Eigen::VectorXd baseR_, r_;  // [pairs]
 
   const std::vector<PairLaw>* pairs_ = nullptr;
   LawLinearization law_;
   NewtonState origin_;
+  Eigen::VectorXd step_;  // coefficients of a whole step that the last direction was made for; empty if there is none
   double norm_ = 0, bestNorm_ = 0, halved_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false;

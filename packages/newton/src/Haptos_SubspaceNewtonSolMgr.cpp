@@ -68,7 +68,7 @@ struct SubspaceNewtonSolMgr::Work {
   GluingBalance balance;
   NewtonDirection direction;
   RecycledSubspace subspace;
-  double r;
+  Eigen::VectorXd r;  // [pairs] penalty of the law
   SubspaceNewtonIter iteration;
   Eigen::VectorXd first;  // multipliers given by the user
   NewtonState state;
@@ -83,7 +83,7 @@ struct SubspaceNewtonSolMgr::Work {
         balance(dual, vectors),
         direction(dual, DualVectors::fromVector(*dual.diagonalOfM), vectors, balance),
         subspace(vectors, count("Maximum Pairs")),
-        r((balance.numFloating() > 0 ? number("Floating Penalty") : 1.0) * direction.medianNormalStiffness()),
+        r((balance.numFloating() > 0 ? number("Floating Penalty") : 1.0) * direction.pairStiffness()),
         iteration(dual, vectors, balance, direction, subspace, r),
         first(DualVectors::fromVector(*m.problem_->getLHS()->getVector(0))) {}
 
@@ -109,8 +109,9 @@ struct SubspaceNewtonSolMgr::Work {
   void start() {
     subspace.clear();
     const bool floating = balance.numFloating() > 0;
+    const Pairs easier = scaledCoefficients(pairs, number("First Factor"));  // near the limit of friction rigid bodies run away
     if (floating) {
-      const auto foundation = solveFoundation(pairs, Eigen::VectorXd::Zero(3 * vectors.numPairs()), r, balance, vectors);
+      const auto foundation = solveFoundation(easier, Eigen::VectorXd::Zero(3 * vectors.numPairs()), r, balance, vectors);
       state.lambda = Eigen::VectorXd::Zero(vectors.numRows());
       vectors.setContact(state.lambda, foundation.forces);
       balance.balance(state.lambda, dual.e);
@@ -120,8 +121,10 @@ struct SubspaceNewtonSolMgr::Work {
     liftRest();
     state.s = jumps(state.lambda);
     if (floating) {
-      const Eigen::VectorXd x = vectors.contact(state.lambda) + r * vectors.contact(state.s);
-      state.s += balance.jumps() * solveFoundation(pairs, x, r, balance, vectors).a;
+      Eigen::VectorXd x = vectors.contact(state.s);
+      for (Eigen::Index i = 0; i < r.size(); ++i) x.segment<3>(3 * i) *= r[i];
+      x += vectors.contact(state.lambda);
+      state.s += balance.jumps() * solveFoundation(easier, x, r, balance, vectors).a;
     }
     keepOrigin();
     reference = vectors.norm(state.s);
@@ -154,33 +157,61 @@ struct SubspaceNewtonSolMgr::Work {
     return residual <= bound;
   }
 
-  bool runLevels(const std::vector<Pairs>& levels, double levelTolerance, int stall) {
-    bool fresh = true;
+  // Whether the next level must begin with a new direction; or the plateau that a model could leave.
+  struct LevelsEnd {
+    bool fresh = true, plateau = false;
+  };
+  LevelsEnd runLevels(const std::vector<Pairs>& levels, double levelTolerance, int stall) {
+    LevelsEnd end;
     for (const auto& level : levels) {
-      run(level, levelTolerance, stall, false, fresh);
-      fresh = false;
+      end.plateau = run(level, levelTolerance, stall, false, end.fresh) == NewtonStop::Plateau;
+      end.fresh = false;
+      if (end.plateau) break;
     }
-    return fresh;
+    return end;
+  }
+
+  // A model does not mind the axis ratio.
+  std::vector<Pairs> firstLevels(double ratio) const {
+    std::vector<Pairs> levels;
+    if (ratio > number("First Axis Ratio") && !direction.hasModel()) levels = axisRatioLevels(pairs, ratio, number("First Axis Ratio"), 4);
+    levels.push_back(scaledCoefficients(pairs, number("First Factor")));
+    return levels;
+  }
+
+  std::vector<Pairs> detour(double ratio, int restart) const {
+    static const std::vector<std::vector<double>> detours = {{1.5, 1.2}, {2.0, 1.6, 1.3, 1.15, 1.07}};
+    if (ratio > number("First Axis Ratio")) return axisRatioLevels(pairs, ratio, 2, 2.5);
+    std::vector<Pairs> levels;
+    for (double factor : detours[std::min<std::size_t>(std::size_t(restart), detours.size() - 1)])
+      levels.push_back(scaledCoefficients(pairs, factor));
+    return levels;
+  }
+
+  void useModel() {
+    if (!direction.useModel()) return;
+    r = direction.pairStiffness();
+    iteration.setPenalty(r);
   }
 
   NewtonStop continuation() {
-    const double ratio = largestAxisRatio(pairs, vectors.comm()), firstRatio = number("First Axis Ratio");
-    std::vector<Pairs> levels;
-    if (ratio > firstRatio) levels = axisRatioLevels(pairs, ratio, firstRatio, 4);
-    levels.push_back(scaledCoefficients(pairs, number("First Factor")));
+    if (dual.needsDeflatedM) useModel();
+    const NewtonStop stop = descend();
+    if (stop != NewtonStop::Plateau) return stop;
+    useModel();
+    return descend();
+  }
+
+  NewtonStop descend() {
+    const double ratio = largestAxisRatio(pairs, vectors.comm());
     start();
-    bool fresh = runLevels(levels, number("Level Tolerance"), count("Level Patience"));
-    static const std::vector<std::vector<double>> detours = {{1.5, 1.2}, {2.0, 1.6, 1.3, 1.15, 1.07}};
+    LevelsEnd levels = runLevels(firstLevels(ratio), number("Level Tolerance"), count("Level Patience"));
     for (int restart = 0;; ++restart) {
-      const NewtonStop stop = run(pairs, 0.1 * tolerance, count("Patience"), true, fresh);
+      if (levels.plateau) return NewtonStop::Plateau;
+      const NewtonStop stop = run(pairs, 0.1 * tolerance, count("Patience"), true, levels.fresh);
       if (stop != NewtonStop::Stalled || restart == count("Maximum Restarts") || left() <= 0) return stop;
-      levels.clear();
-      if (ratio > firstRatio) levels = axisRatioLevels(pairs, ratio, 2, 2.5);
-      else
-        for (double factor : detours[std::min<std::size_t>(restart, detours.size() - 1)])
-          levels.push_back(scaledCoefficients(pairs, factor));
       start();  // pairs gathered in a runaway only add spurious minima
-      fresh = runLevels(levels, 1e-2, 20);
+      levels = runLevels(detour(ratio, restart), 1e-2, 20);
     }
   }
 
@@ -201,6 +232,9 @@ struct SubspaceNewtonSolMgr::Work {
     subspace.setMaximum(count("Maximum Pairs"));
     if (!started) return continuation();
     refreshJumps();
+    const NewtonStop stop = run(pairs, 0.1 * tolerance, 2 * count("Patience"), true, false);
+    if (stop != NewtonStop::Plateau) return stop;
+    useModel();
     return run(pairs, 0.1 * tolerance, 2 * count("Patience"), true, false);
   }
 

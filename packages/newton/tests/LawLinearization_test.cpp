@@ -23,6 +23,10 @@ Eigen::VectorXd random(Eigen::Index n, unsigned seed) {
   return x;
 }
 
+LawLinearization linearize(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double r) {
+  return linearizeLaw(pairs, lambda, s, Eigen::VectorXd::Constant(Eigen::Index(pairs.size()), r));
+}
+
 // J = A V + B S is the derivative of phi along (V, S), wherever phi is smooth.
 TEUCHOS_UNIT_TEST(LawLinearization, MultiplyIsTheDerivativeOfTheResidual) {
   const auto pairs = variedPairs();
@@ -31,7 +35,8 @@ TEUCHOS_UNIT_TEST(LawLinearization, MultiplyIsTheDerivativeOfTheResidual) {
   for (unsigned seed = 0; seed < 60; ++seed) {
     const Eigen::VectorXd lambda = 2 * random(n, 10 * seed), s = random(n, 10 * seed + 1);
     const Eigen::VectorXd dLambda = random(n, 10 * seed + 2), dS = random(n, 10 * seed + 3);
-    const double r = 0.8, h = 1e-7;
+    const double h = 1e-7;
+    const Eigen::VectorXd r = Eigen::VectorXd::LinSpaced(Eigen::Index(pairs.size()), 0.3, 1.5);
     const auto law = linearizeLaw(pairs, lambda, s, r);
     const auto plus = linearizeLaw(pairs, lambda + h * dLambda, s + h * dS, r);
     const auto minus = linearizeLaw(pairs, lambda - h * dLambda, s - h * dS, r);
@@ -54,13 +59,13 @@ TEUCHOS_UNIT_TEST(LawLinearization, ResidualVanishesExactlyAtTheLaw) {
   const auto pairs = std::vector<PairLaw>{makePair(FrictionLaw::Coulomb, 0.3, 0.15)};
   // sliding at 45 degrees: lambda_T = g F^2 t / || F t ||
   Eigen::Vector3d lambda(1.0, 0.2683281572999748, 0.0670820393249937), s(0.0, 0.4, 0.4);
-  TEST_COMPARE(linearizeLaw(pairs, lambda, s, 0.3).phi.norm(), <=, 1e-14);
+  TEST_COMPARE(linearize(pairs, lambda, s, 0.3).phi.norm(), <=, 1e-14);
   lambda = {1.0, 0.1, 0.05};  // sticking
-  TEST_COMPARE(linearizeLaw(pairs, lambda, Eigen::Vector3d::Zero(), 0.3).phi.norm(), <=, 1e-15);
+  TEST_COMPARE(linearize(pairs, lambda, Eigen::Vector3d::Zero(), 0.3).phi.norm(), <=, 1e-15);
   lambda = {1.0, 0.2121, 0.1061};  // another law's traction: not ours
-  TEST_COMPARE(linearizeLaw(pairs, lambda, s, 0.3).phi.norm(), >=, 1e-2);
+  TEST_COMPARE(linearize(pairs, lambda, s, 0.3).phi.norm(), >=, 1e-2);
   lambda.setZero();  // open
-  TEST_COMPARE(linearizeLaw(pairs, lambda, Eigen::Vector3d(-0.1, 5, 5), 0.3).phi.norm(), <=, 0.0);
+  TEST_COMPARE(linearize(pairs, lambda, Eigen::Vector3d(-0.1, 5, 5), 0.3).phi.norm(), <=, 0.0);
 }
 
 TEUCHOS_UNIT_TEST(TangentialModes, StickTakesThePreconditionerAndSlipHoldsOneDirection) {
@@ -68,7 +73,7 @@ TEUCHOS_UNIT_TEST(TangentialModes, StickTakesThePreconditionerAndSlipHoldsOneDir
   TEST_FLOATING_EQUALITY(stick.theta[0], 1.0, 1e-12);
   TEST_FLOATING_EQUALITY(stick.theta[1], 1.0, 1e-12);
   const auto pair = makePair(FrictionLaw::Coulomb, 0.3, 0.15);
-  const auto law = linearizeLaw({pair}, Eigen::Vector3d(1.0, 2.0, 1.0), Eigen::Vector3d::Zero(), 1.0);
+  const auto law = linearize({pair}, Eigen::Vector3d(1.0, 2.0, 1.0), Eigen::Vector3d::Zero(), 1.0);
   const auto slip = TangentialModes::of(law.dP[0], 1.0, 4.0);
   TEST_EQUALITY(slip.isHeld(0), true);
   TEST_EQUALITY(slip.isHeld(1), false);

@@ -234,6 +234,43 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, GoesOnWhereItWas) {
   TEST_COMPARE(other.F->applications, <=, 6);
 }
 
+// The inverse of F between balanced multipliers: G M = 0.
+DenseMatrix balancedInverse(const DenseContact& d) {
+  const DenseMatrix inverse = d.F.inverse(), W = inverse * d.GT;
+  return inverse - W * (d.GT.transpose() * W).completeOrthogonalDecomposition().pseudoInverse() * W.transpose();
+}
+
+// With a model that is F itself the law is solved within it; a poor M leads to the model by a plateau.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
+  for (const bool floating : {false, true})
+    for (const bool atOnce : {true, false}) {
+      Setup t(makeContact(40, 30, floating, 4));
+      ContactOperators o = t.operators();
+      int made = 0;
+      o.makeDeflatedM = [&]() -> RCP<const Operator> {
+        ++made;
+        return rcp(new DenseOperator(t.map, balancedInverse(t.d)));
+      };
+      o.needsDeflatedM = atOnce;
+      if (!atOnce) {
+        const DenseMatrix poor = DenseVector::LinSpaced(t.d.F.rows(), 1.0, 1000.0).asDiagonal();
+        o.M = rcp(new DenseOperator(t.map, poor));
+        o.diagonalOfM = t.vectorOf(poor.diagonal());
+      }
+      Manager manager;
+      manager.setParameters(withTolerance(1e-9));
+      manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+      TEST_EQUALITY(manager.solve(), Belos::Converged);
+      const Kkt kkt = measure(t, manager);
+      out << (floating ? "floating" : "held") << (atOnce ? ", at once" : ", after a plateau") << ", error " << kkt.error << ", applications "
+          << t.F->applications << ", open " << kkt.open << " slip " << kkt.slip << " stick " << kkt.stick << "\n";
+      TEST_EQUALITY(made, 1);
+      TEST_COMPARE(kkt.error, <=, 1e-6);
+      TEST_ASSERT(kkt.open > 0 && kkt.slip > 3 && kkt.stick > 0);
+      TEST_EQUALITY(t.F->applications <= 6, atOnce);
+    }
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, FewPairsGiveTheSameAnswer) {
   for (const bool floating : {false, true}) {
     Setup all(makeContact(40, 30, floating, 2)), few(makeContact(40, 30, floating, 2));

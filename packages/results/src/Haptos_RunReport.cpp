@@ -53,6 +53,7 @@ Json solverBlock(const SolverReport& solver) {
           {"preconditioner_applications", solver.preconditionerApplications},
           {"coarse_solves", solver.coarseSolves},
           {"local_solves", solver.localSolves},
+          {"deflation", {{"motions", solver.deflation.motions}, {"applications", solver.deflation.applications}}},
           {"subspace",
            {{"pairs", solver.subspace.pairs},
             {"compressions", solver.subspace.compressions},

@@ -41,6 +41,12 @@ struct SubspaceReport {
   double memoryMb = 0;   ///< on the rank with most
 };
 
+/// \brief The deflated preconditioner, zeros where there is none.
+struct DeflationReport {
+  int motions = 0;        ///< its coarse vectors
+  long applications = 0;  ///< beside those of the other preconditioner
+};
+
 struct SolverReport {
   std::string method;
   std::string status;  ///< "converged" or "not converged"
@@ -48,6 +54,7 @@ struct SolverReport {
   int outerIterations = 0;
   long hessianMultiplications = 0, preconditionerApplications = 0, coarseSolves = 0, localSolves = 0;
   SubspaceReport subspace;
+  DeflationReport deflation;
   std::vector<HistoryEntry> history;
 };
 

@@ -23,6 +23,7 @@ class AutomaticSolver final : public ContactSolver {
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override { return history_; }
   SubspaceReport subspace() const override { return newton_.subspace(); }
+  DeflationReport deflation() const override { return newton_.deflation(); }
 
  private:
   bool run(ContactSolver& solver, const SolveRequest& request);

@@ -41,6 +41,9 @@ class ContactSolver {
 
   /// \brief What the method keeps from step to step; zeros where it keeps nothing.  Collective.
   virtual SubspaceReport subspace() const { return {}; }
+
+  /// \brief The deflated preconditioner, if the method made one.
+  virtual DeflationReport deflation() const { return {}; }
 };
 
 /// \brief Scales and loads that a method may use for its estimate of kkt.

@@ -10,6 +10,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
 #include "Haptos_NodalLoads.hpp"
+#include "Haptos_SoftModes.hpp"
 
 namespace Haptos {
 namespace {
@@ -140,7 +141,24 @@ void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod m
     if (kind == PreconditionerKind::Dirichlet) systems->condenseLike(*systems_, model_.subdomains);
     else systems->findClasses();
   }
+  kind_ = kind;
+  localMethod_ = method;
+  preconditionerSystems_ = systems;
+  slender_.clear();
+  for (const auto& sub : model_.subdomains) slender_.push_back(kind == PreconditionerKind::Dirichlet && isSlender(sub));
   preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, model_.subdomains, kind, method));
+  const int mine = std::count(slender_.begin(), slender_.end(), char(1)) > 0;
+  int any = 0;
+  Teuchos::reduceAll(*model_.comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
+  anySlender_ = any != 0;
+}
+
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {
+  if (preconditioner_.is_null() || kind_ != PreconditionerKind::Dirichlet) return {};
+  // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
+  const std::vector<char> all(slender_.size(), 1);
+  const auto base = Teuchos::rcp(new DualPreconditioner(jump_, preconditionerSystems_, model_.subdomains, kind_, localMethod_, all));
+  return DeflatedPreconditioner::make(base, slender_);
 }
 
 }  // namespace Haptos

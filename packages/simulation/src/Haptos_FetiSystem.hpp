@@ -5,6 +5,7 @@
 #include "Haptos_BodyMotions.hpp"
 #include "Haptos_ContactLaw.hpp"
 #include "Haptos_DistributedModel.hpp"
+#include "Haptos_DeflatedPreconditioner.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_DualProblem.hpp"
 
@@ -35,6 +36,10 @@ class FetiSystem {
   const Vector& c() const { return *c_; }
   const DualProblem& dual() const { return dual_; }
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }
+  bool hasSlenderSubdomains() const { return anySlender_; }  ///< on any rank, and the preconditioner is Dirichlet's
+  /// \brief The preconditioner with rigid motions deflated, and the soft ones of slender subdomains; null where it is not
+  /// Dirichlet's, or there would be too many.  Collective.
+  RCP<const DeflatedPreconditioner> makeDeflated() const;
 
  private:
   void assembleLoads();
@@ -50,6 +55,11 @@ class FetiSystem {
   std::vector<int> copies_;  ///< [mesh nodes] subdomains that share a node; only for nodal forces
   DualProblem dual_;
   RCP<const DualPreconditioner> preconditioner_;
+  RCP<const LocalSystems> preconditionerSystems_;
+  LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
+  PreconditionerKind kind_ = PreconditionerKind::Dirichlet;
+  std::vector<char> slender_;  ///< [local subdomains]
+  bool anySlender_ = false;
 };
 
 }  // namespace Haptos

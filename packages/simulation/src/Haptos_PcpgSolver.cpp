@@ -35,6 +35,7 @@ PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
   b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
   dual.P->apply(r, *b_);
   x_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
+  if (context_.system.hasSlenderSubdomains()) deflated_ = context_.system.makeDeflated();
 }
 
 bool PcpgSolver::solve(const SolveRequest& request) {
@@ -43,8 +44,11 @@ bool PcpgSolver::solve(const SolveRequest& request) {
   const DualProblem& dual = system.dual();
   const RCP<const Operator> A = dual.PFP;
   auto problem = Teuchos::rcp(new Problem(A, x_, b_));
-  if (!system.preconditioner().is_null())
-    problem->setLeftPrec(Teuchos::rcp(new ProjectedPreconditioner(system.preconditioner(), dual.P)));
+  if (!system.preconditioner().is_null()) {
+    RCP<const Operator> M = system.preconditioner();
+    if (!deflated_.is_null()) M = deflated_;
+    problem->setLeftPrec(Teuchos::rcp(new ProjectedPreconditioner(M, dual.P)));
+  }
   problem->setProblem();
   auto list = Teuchos::parameterList();
   const long left = request.maximumMultiplications - dual.F->applications() - 2;

@@ -17,10 +17,14 @@ class PcpgSolver final : public ContactSolver {
   const std::string& reason() const override { return reason_; }
   int outerIterations() const override { return iterations_; }
   const std::vector<HistoryEntry>& history() const override { return history_; }
+  DeflationReport deflation() const override {
+    return deflated_.is_null() ? DeflationReport{} : DeflationReport{deflated_->numCoarse(), deflated_->applications()};
+  }
 
  private:
   SolverContext context_;
   RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
+  RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender
   DualSolution solution_;
   std::string reason_;
   int iterations_ = 0;

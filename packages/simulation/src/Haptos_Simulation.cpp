@@ -247,6 +247,7 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   s.coarseSolves = system_->dual().GGT->solves();
   s.history = solver.history();
   s.subspace = solver.subspace();
+  s.deflation = solver.deflation();
   long mine = system_->systems().localSolves();
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
 

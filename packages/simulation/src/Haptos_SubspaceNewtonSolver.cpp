@@ -12,7 +12,7 @@
 namespace Haptos {
 namespace {
 
-ContactOperators contactOperators(const FetiSystem& system) {
+ContactOperators contactOperators(const FetiSystem& system, std::function<RCP<const Operator>()> makeDeflatedM) {
   const DualProblem& dual = system.dual();
   ContactOperators o;
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
@@ -21,6 +21,8 @@ ContactOperators contactOperators(const FetiSystem& system) {
   const auto block = Teuchos::rcp(new ContactBlock(system.preconditioner()));
   o.contactM = block;
   o.contactRowsOfM = Teuchos::rcp(new ContactRows(system.preconditioner(), block));
+  o.makeDeflatedM = makeDeflatedM;
+  o.needsDeflatedM = system.hasSlenderSubdomains();
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;
@@ -41,6 +43,7 @@ struct SubspaceNewtonSolver::Impl {
   SolverContext context;
   KktEstimator estimator;
   RCP<MultiVector> lambda;
+  RCP<const DeflatedPreconditioner> deflated;
   RCP<ContactProblem> problem;
   SubspaceNewtonSolMgr manager;
   double tolerance = 0;
@@ -52,13 +55,18 @@ struct SubspaceNewtonSolver::Impl {
       : context(std::move(c)),
         estimator(context.system, context.loads),
         lambda(Teuchos::rcp(new MultiVector(*context.system.dual().lambdaIm, Teuchos::Copy))),
-        problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system), lambda))) {
+        problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this] { return makeDeflated(); }), lambda))) {
     auto list = Teuchos::parameterList();
     list->set("Maximum Pairs", maximumPairs);
     manager.setParameters(list);
     manager.setProblem(problem);
     manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance); });
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.isFinalLevel ? estimator.kkt() : record.residual, l); });
+  }
+
+  RCP<const Operator> makeDeflated() {
+    deflated = context.system.makeDeflated();
+    return deflated;
   }
 
   void keep(double residual, const Vector& l) {
@@ -102,6 +110,11 @@ const std::string& SubspaceNewtonSolver::reason() const { return impl_->reason; 
 int SubspaceNewtonSolver::outerIterations() const { return impl_->manager.getNumIters(); }
 const std::vector<HistoryEntry>& SubspaceNewtonSolver::history() const { return impl_->history; }
 bool SubspaceNewtonSolver::gaveUp() const { return impl_->manager.isLOADetected(); }
+
+DeflationReport SubspaceNewtonSolver::deflation() const {
+  const auto& M = impl_->deflated;
+  return M.is_null() ? DeflationReport{} : DeflationReport{M->numCoarse(), M->applications()};
+}
 
 SubspaceReport SubspaceNewtonSolver::subspace() const {
   const auto s = impl_->manager.subspace();

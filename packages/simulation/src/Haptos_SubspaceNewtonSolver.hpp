@@ -28,6 +28,7 @@ class SubspaceNewtonSolver final : public ContactSolver {
 
   bool gaveUp() const;
   SubspaceReport subspace() const override;
+  DeflationReport deflation() const override;
 
  private:
   struct Impl;

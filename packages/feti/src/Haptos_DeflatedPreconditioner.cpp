@@ -1,0 +1,201 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DeflatedPreconditioner.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <map>
+
+#include "Haptos_SoftModes.hpp"
+#include "Haptos_TpetraCompat.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr int kBlock = 32;             // columns of Z that are made at a time
+constexpr double kNegligible = 1e-14;  // entries of a column, of its largest
+constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
+
+void appendNonzeros(const MultiVector& block, int column, int width, std::vector<Eigen::Triplet<double>>& triplets) {
+  for (int j = 0; j < width; ++j) {
+    const auto data = block.getData(std::size_t(j));
+    double largest = 0;
+    for (double value : data) largest = std::max(largest, std::abs(value));
+    for (int i = 0; i < int(data.size()); ++i)
+      if (std::abs(data[i]) > kNegligible * largest) triplets.emplace_back(i, column + j, data[i]);
+  }
+}
+
+}  // namespace
+
+RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender) {
+  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender));
+  long mine = 0, all = 0;
+  for (int c = 0; c < base->systems().numClasses(); ++c)
+    mine += result->motions_[std::size_t(c)].cols() * long(base->systems().members()[c].size());
+  Teuchos::reduceAll(*base->getRangeMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  if (all > kLargest) return {};
+  result->assemble();
+  return result;
+}
+
+DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender)
+    : base_(std::move(base)) {
+  findMotions(slender);
+}
+
+// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones.
+void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
+  const LocalSystems& systems = base_->systems();
+  for (int c = 0; c < systems.numClasses(); ++c) {
+    const auto& dofs = base_->boundary(c);
+    const int first = systems.members()[c].front();
+    Eigen::MatrixXd all(Eigen::Index(dofs.size()), systems[first].R.cols());
+    for (std::size_t i = 0; i < dofs.size(); ++i) all.row(Eigen::Index(i)) = systems[first].R.row(dofs[i]);
+    L_.emplace_back();
+    if (slender[std::size_t(first)]) {
+      Eigen::MatrixXd S(all.rows(), all.rows());
+      base_->applySchur(c, Eigen::MatrixXd::Identity(all.rows(), all.rows()), S);
+      SoftSpectrum soft = softSpectrum(0.5 * (S + S.transpose()), all);
+      L_.back() = std::move(soft.L);
+      const Eigen::Index rigid = all.cols();
+      all.conservativeResize(Eigen::NoChange, rigid + soft.modes.cols());
+      all.rightCols(soft.modes.cols()) = soft.modes;
+    }
+    motions_.push_back(std::move(all));
+  }
+}
+
+// t := t - B_D^T B t, the mean of the copies
+void DeflatedPreconditioner::average(MultiVector& t) const {
+  MultiVector jumps(getRangeMap(), t.getNumVectors()), half(t.getMap(), t.getNumVectors());
+  base_->jump().apply(t, jumps);
+  base_->spread(jumps, half);
+  t.update(-1.0, half, 1.0);
+}
+
+// t_i := local(class, t_i) on the boundary unknowns of every subdomain where t is not zero
+template <class Local>
+void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
+  const auto& offsets = base_->jump().primalOffsets();
+  for (std::size_t v = 0; v < t.getNumVectors(); ++v) {
+    const auto data = t.getDataNonConst(v);
+    for (int i = 0; i < base_->systems().size(); ++i) {
+      const int c = base_->systems()[i].congruenceClass;
+      const auto& dofs = base_->boundary(c);
+      Eigen::MatrixXd x(Eigen::Index(dofs.size()), 1);
+      for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), 0) = data[offsets[std::size_t(i)] + std::size_t(dofs[k])];
+      if (x.isZero(0)) continue;
+      local(c, x);
+      for (std::size_t k = 0; k < dofs.size(); ++k) data[offsets[std::size_t(i)] + std::size_t(dofs[k])] = x(Eigen::Index(k), 0);
+    }
+  }
+}
+
+void DeflatedPreconditioner::toHalf(MultiVector& t) const {
+  onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
+    if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)] * x).eval();
+  });
+}
+
+void DeflatedPreconditioner::fromHalf(MultiVector& t) const {
+  onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
+    if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)].transpose() * x).eval();
+  });
+}
+
+void DeflatedPreconditioner::applyRest(MultiVector& t) const {
+  onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
+    if (L_[std::size_t(c)].size() > 0) return;
+    Eigen::MatrixXd y(x.rows(), x.cols());
+    base_->applySchur(c, x, y);
+    x = std::move(y);
+  });
+}
+
+// which: local subdomain, motion
+void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const {
+  const int c = base_->systems()[which[0]].congruenceClass;
+  const auto& dofs = base_->boundary(c);
+  const std::size_t offset = base_->jump().primalOffsets()[std::size_t(which[0])];
+  const auto data = t.getDataNonConst(column);
+  for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(c)](Eigen::Index(k), which[1]);
+}
+
+void DeflatedPreconditioner::assemble() {
+  const auto& comm = *getRangeMap()->getComm();
+  std::vector<std::array<int, 2>> columns;  // of this rank
+  for (int i = 0; i < base_->systems().size(); ++i)
+    for (int m = 0; m < int(motions_[std::size_t(base_->systems()[i].congruenceClass)].cols()); ++m) columns.push_back({i, m});
+  int mine = int(columns.size()), end = 0, all = 0;
+  Teuchos::scan(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  std::vector<Eigen::Triplet<double>> hz, chz;
+  for (int first = 0; first < all; first += kBlock) {
+    const int width = std::min(kBlock, all - first);
+    MultiVector t(base_->jump().getDomainMap(), width);
+    for (int j = 0; j < width; ++j) {
+      const int own = first + j - (end - mine);
+      if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], t, std::size_t(j));
+    }
+    average(t);
+    toHalf(t);
+    appendNonzeros(t, first, width, hz);
+    applyRest(t);
+    appendNonzeros(t, first, width, chz);
+  }
+  const Eigen::Index primal = Eigen::Index(base_->jump().primalOffsets().back());
+  HZ_.resize(primal, all);
+  CHZ_.resize(primal, all);
+  HZ_.setFromTriplets(hz.begin(), hz.end());
+  CHZ_.setFromTriplets(chz.begin(), chz.end());
+  const Eigen::MatrixXd part = Columns(HZ_.transpose() * CHZ_);
+  Eigen::MatrixXd K(all, all);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(part.size()), part.data(), K.data());
+  factor(0.5 * (K + K.transpose()));
+}
+
+void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {
+  scale_ = K.diagonal();
+  const double largest = scale_.maxCoeff();
+  for (double& value : scale_) value = value > 1e-28 * largest ? 1 / std::sqrt(value) : 0.0;
+  factor_.compute(scale_.asDiagonal() * K * scale_.asDiagonal());
+}
+
+// K^+ g, small pivots left out: motions that others contain
+Eigen::VectorXd DeflatedPreconditioner::solve(const Eigen::VectorXd& g) const {
+  Eigen::VectorXd a = factor_.transpositionsP() * Eigen::VectorXd(scale_.cwiseProduct(g));
+  factor_.matrixL().solveInPlace(a);
+  const auto pivots = factor_.vectorD();
+  for (Eigen::Index i = 0; i < a.size(); ++i) a[i] = pivots[i] > kDependent ? a[i] / pivots[i] : 0.0;
+  factor_.matrixU().solveInPlace(a);
+  return scale_.cwiseProduct(Eigen::VectorXd(factor_.transpositionsP().transpose() * a));
+}
+
+// t := t - A K^+ C^T t
+void DeflatedPreconditioner::project(const Columns& A, const Columns& C, Vector& t) const {
+  const auto data = t.getDataNonConst(0);
+  Eigen::Map<Eigen::VectorXd> values(data.getRawPtr(), data.size());
+  const Eigen::VectorXd mine = C.transpose() * values;
+  Eigen::VectorXd g(mine.size());
+  Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), g.data());
+  values -= A * solve(g);
+}
+
+void DeflatedPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+    Vector t(base_->jump().getDomainMap()), z(getRangeMap());
+    base_->spread(*x.getVector(v), t);
+    toHalf(t);
+    project(HZ_, CHZ_, t);
+    applyRest(t);
+    project(CHZ_, HZ_, t);
+    fromHalf(t);
+    base_->collect(t, z);
+    y.getVectorNonConst(v)->update(alpha, z, beta);
+    ++applications_;
+  }
+}
+
+}  // namespace Haptos

@@ -1,0 +1,67 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Dense>
+#include <Eigen/SparseCore>
+#include <array>
+
+#include "Haptos_DualPreconditioner.hpp"
+
+namespace Haptos {
+
+/// \brief M_Z = B_D Pi^T S Pi B_D^T, Pi = I - Z K^+ Z^T S, K = Z^T S Z: the Dirichlet preconditioner for slender subdomains.
+///
+/// M x is the force of the displacement B_D^T x, whose jump is x; M_Z x that of B_D^T x + Z a, a such that the energy is
+/// least.  Z holds the rigid and the soft motions (`SoftSpectrum`) of every subdomain, averaged over the copies of a node
+/// and across closed contact, so that B Z = 0.  With all continuous motions in Z, M_Z would be the inverse of F.  Since
+/// Z holds the rigid motions, G M_Z = 0.
+///
+/// Slender subdomains take S = L^T L, and Pi acts between L and L^T.  K is kept as one dense factor on every rank.
+/// Every column of Z costs an application of M once.
+class DeflatedPreconditioner final : public Operator {
+ public:
+  static constexpr long kLargest = 5000;  ///< columns of Z
+
+  /// \brief Null where Z would have more than `kLargest` columns.  Collective.
+  ///
+  /// \param slender [local subdomains] those whose soft motions are looked for; `base` must have their S in double
+  /// precision, since soft motions live in its last digits.
+  static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender);
+
+  RCP<const Map> getDomainMap() const override { return base_->getDomainMap(); }
+  RCP<const Map> getRangeMap() const override { return base_->getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+  /// Pi is applied on both sides, so that round-off in K leaves M_Z semidefinite.  Collective: as M, and two reductions.
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
+             double beta = 0.0) const override;
+
+  const DualPreconditioner& base() const { return *base_; }
+  int numCoarse() const { return int(scale_.size()); }  ///< columns of Z, over all ranks
+  long applications() const { return applications_; }
+
+ private:
+  using Columns = Eigen::SparseMatrix<double>;
+
+  DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender);
+  void findMotions(const std::vector<char>& slender);
+  void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
+  void toHalf(MultiVector& t) const;
+  void fromHalf(MultiVector& t) const;
+  void average(MultiVector& t) const;
+  void applyRest(MultiVector& t) const;
+  template <class Local>
+  void onSubdomains(MultiVector& t, Local&& local) const;
+  void assemble();
+  void factor(const Eigen::MatrixXd& K);
+  void project(const Columns& A, const Columns& C, Vector& t) const;
+  Eigen::VectorXd solve(const Eigen::VectorXd& g) const;
+
+  RCP<const DualPreconditioner> base_;
+  // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.
+  std::vector<Eigen::MatrixXd> motions_, L_;  // [classes] on the boundary; L empty where subdomains are not slender
+  Columns HZ_, CHZ_;        // [local primal x coarse]
+  mutable long applications_ = 0;
+  Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)
+  Eigen::LDLT<Eigen::MatrixXd> factor_;  // of K scaled to unit diagonal
+};
+
+}  // namespace Haptos

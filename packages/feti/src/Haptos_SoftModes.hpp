@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+
+#include "Haptos_Subdomain.hpp"
+
+namespace Haptos {
+
+/// \brief Whether a subdomain is a needle or a plate: its nodes spread 10 times as far one way as another.
+///
+/// No where it has more than 400 nodes: the dense eigenproblem of its soft motions would cost more than it saves.
+bool isSlender(const Subdomain& subdomain);
+
+/// \brief A slender subdomain's S in a form that keeps the digits of soft motions, and those motions.
+///
+/// From S w = mu diag(S) w: S = L^T L with L = mu^1/2 W^T diag(S), rigid motions exactly without energy.  The energy of
+/// a soft motion w is |L w|^2 to its last digits, where w^T S w has lost eps / mu.
+struct SoftSpectrum {
+  Eigen::MatrixXd L;      ///< [n x n]
+  /// Eigenvectors with mu < `softest`, orthogonal to the rigid motions in diag(S): bending and stretching, [n x m].  What
+  /// is left of any motion w has |D w|_S^2 <= mu_max / softest |w|_S^2 for every weighting D of the nodes by numbers
+  /// in [0, 1], and such weightings are what a preconditioner does to w.
+  Eigen::MatrixXd modes;
+};
+
+/// \param S [n x n], \param rigid [n x k] kernel of S
+SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, double softest = 0.05);
+
+}  // namespace Haptos

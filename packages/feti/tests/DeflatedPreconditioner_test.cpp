@@ -1,0 +1,97 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_DeflatedPreconditioner.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+#include <algorithm>
+
+#include "FetiScene.hpp"
+#include "Haptos_SoftModes.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Two beams held at one end, or two plates.
+struct Setup {
+  Scene scene;
+  Feti feti;
+  std::vector<char> slender;
+  RCP<DualPreconditioner> M;
+  RCP<const DeflatedPreconditioner> deflated;
+
+  explicit Setup(double height) {
+    SceneOptions options = heldScene(4);
+    options.lower = options.upper = {4, 2, 2};
+    options.distortion = 0;
+    options.height = height;
+    scene = makeScene(options);
+    feti = makeFeti(Tpetra::getDefaultComm(), scene);
+    for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub));
+    const std::vector<char> all(slender.size(), 1);
+    M = Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, PreconditionerKind::Dirichlet,
+                                            LocalSolverMethod::Automatic, all));
+    deflated = DeflatedPreconditioner::make(M, slender);
+  }
+
+  // Columns of G^T on all ranks.
+  Dense denseGT() const {
+    const Eigen::Index l = 6 * scene.partition.count;
+    MultiVector GT(feti.map(), std::size_t(l));
+    feti.G->applyGT(Dense::Identity(l, l), GT);
+    return gathered(GT);
+  }
+
+  // Largest and smallest eigenvalue of P F P A P on its range, where A should be about the inverse of F.
+  std::array<double, 2> spectrum(const Dense& A) const {
+    const Dense GT = denseGT(), F = denseOf(*feti.F);
+    const Dense P = Dense::Identity(F.rows(), F.rows()) - GT * densePseudoInverse(GT.transpose() * GT) * GT.transpose();
+    const Eigen::SelfAdjointEigenSolver<Dense> eigen(P * F * P);
+    const Dense root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
+    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Dense>(root * A * root).eigenvalues();
+    double smallest = values.tail<1>()[0];
+    for (double value : values)
+      if (value > 1e-6) smallest = std::min(smallest, value);
+    return {values.tail<1>()[0], smallest};
+  }
+};
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(SoftModes, TellPlatesFromBlocksAndKeepTheEnergy) {
+  for (double height : {1.0, 0.02}) {
+    const Setup t(height);
+    const int found = int(std::count(t.slender.begin(), t.slender.end(), char(1)));
+    TEST_EQUALITY(found, height < 0.5 ? int(t.slender.size()) : 0);
+    if (t.feti.systems->numClasses() == 0) continue;
+    const Eigen::Index n = t.M->boundarySize(0);
+    Dense S(n, n), R(n, 6);
+    t.M->applySchur(0, Dense::Identity(n, n), S);
+    for (Eigen::Index i = 0; i < n; ++i) R.row(i) = (*t.feti.systems)[t.feti.systems->members()[0].front()].R.row(t.M->boundary(0)[std::size_t(i)]);
+    const SoftSpectrum soft = softSpectrum(S, R);
+    TEST_COMPARE(largest(soft.L.transpose() * soft.L - S), <=, 1e-10 * largest(S));
+    TEST_COMPARE(largest(soft.L * R), <=, 1e-9 * largest(soft.L));
+    TEST_COMPARE(soft.modes.cols(), >=, height < 0.5 ? 5 : 0);
+    for (Eigen::Index j = 0; j < soft.modes.cols(); ++j)
+      TEST_COMPARE((soft.L * soft.modes.col(j)).squaredNorm(), <, 0.05 * soft.modes.col(j).dot(S.diagonal().cwiseProduct(soft.modes.col(j))));
+  }
+}
+
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
+  for (double height : {1.0, 0.02}) {
+    const Setup t(height);
+    const Dense M = denseOf(*t.M), Z = denseOf(*t.deflated), GT = t.denseGT();
+    TEST_COMPARE(largest(Z - Z.transpose()), <=, 1e-9 * largest(Z));
+    TEST_COMPARE(smallestEigenvalue(Z), >=, -1e-10 * largest(Z));
+    TEST_COMPARE(largest(GT.transpose() * Z), <=, 1e-7 * largest(GT) * largest(Z));
+    TEST_COMPARE(smallestEigenvalue(M - Z), >=, -1e-9 * largest(M));  // energies only become less
+    const auto plain = t.spectrum(M), deflated = t.spectrum(Z);
+    out << "height " << height << ", coarse " << t.deflated->numCoarse() << ": M F in " << plain[1] << " to " << plain[0] << ", deflated "
+        << deflated[1] << " to " << deflated[0] << "\n";
+    TEST_COMPARE(t.deflated->numCoarse(), >=, 6 * t.scene.partition.count);
+    TEST_COMPARE(deflated[0], <=, 3.0);
+    TEST_COMPARE(deflated[1], >=, 0.99);
+    TEST_COMPARE(plain[0], >=, (height < 0.5 ? 30 : 1) * deflated[0]);  // the plates are a hard case
+  }
+}
