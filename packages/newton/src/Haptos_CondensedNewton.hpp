@@ -20,6 +20,7 @@ namespace Haptos {
 class CondensedNewton {
  public:
   static constexpr long kLargest = 400;
+  static constexpr long kCheap = 150;  ///< pairs up to which its dense solves cost less than the directions it saves on a plateau
 
   /// \brief 3 x pairs applications of M.  Collective.
   CondensedNewton(RCP<const Operator> M, const DualVectors& vectors);

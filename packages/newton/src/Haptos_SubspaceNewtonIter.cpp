@@ -274,7 +274,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       halvedAt_ = applications();
     }
     const bool stalled = hasStalled(limits, 1), poor = !linear_ && progressIsPoor();
-    if (stalled || (poor && direction_.mayHaveModel() && !hasMorePenalties())) {
+    if (stalled || (poor && direction_.modelIsCheap() && !hasMorePenalties())) {
       stop = direction_.mayHaveModel() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
