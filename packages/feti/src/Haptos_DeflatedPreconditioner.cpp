@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "Haptos_ContactBlock.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
@@ -26,6 +27,46 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
       if (std::abs(data[i]) > kNegligible * largest) triplets.emplace_back(i, column + j, data[i]);
   }
 }
+
+std::vector<int> contactRowsOf(const MultiplierMap& multipliers) {
+  std::vector<int> rows;
+  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
+    if (multipliers.kinds()[row] == RowKind::Normal || multipliers.kinds()[row] == RowKind::Tangential) rows.push_back(int(row));
+  return rows;
+}
+
+class DeflatedContactBlock final : public Operator {
+ public:
+  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, std::vector<int> rows, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
+      : block_(base), rows_(std::move(rows)), Y_(std::move(Y)), YK_(std::move(YK)) {}
+
+  RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
+  RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
+    block_.apply(x, y, mode, alpha, beta);
+    const Eigen::Index n = Eigen::Index(rows_.size());
+    for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+      Eigen::VectorXd contact(n);
+      {
+        const auto in = x.getData(v);
+        for (Eigen::Index i = 0; i < n; ++i) contact[i] = in[rows_[std::size_t(i)]];
+      }
+      const Eigen::VectorXd mine = Y_.transpose() * contact;
+      Eigen::VectorXd g(mine.size());
+      Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), g.data());
+      contact = YK_ * g;
+      const auto out = y.getDataNonConst(v);
+      for (Eigen::Index i = 0; i < n; ++i) out[rows_[std::size_t(i)]] -= alpha * contact[i];
+    }
+  }
+
+ private:
+  ContactBlock block_;
+  std::vector<int> rows_;   // owned contact rows
+  Eigen::MatrixXd Y_, YK_;  // [rows x coarse]
+};
 
 }  // namespace
 
@@ -154,6 +195,36 @@ void DeflatedPreconditioner::assemble() {
   Eigen::MatrixXd K(all, all);
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(part.size()), part.data(), K.data());
   factor(0.5 * (K + K.transpose()));
+}
+
+// Y = B_D S Z on the rows given
+Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) const {
+  Eigen::MatrixXd Y(Eigen::Index(rows.size()), CHZ_.cols());
+  for (Eigen::Index first = 0; first < CHZ_.cols(); first += kBlock) {
+    const Eigen::Index width = std::min<Eigen::Index>(kBlock, CHZ_.cols() - first);
+    MultiVector t(base_->jump().getDomainMap(), std::size_t(width)), y(getRangeMap(), std::size_t(width));
+    for (Eigen::Index j = 0; j < width; ++j) {
+      const auto data = t.getDataNonConst(std::size_t(j));
+      for (Columns::InnerIterator it(CHZ_, first + j); it; ++it) data[it.row()] = it.value();
+    }
+    base_->collect(t, y);
+    for (Eigen::Index j = 0; j < width; ++j) {
+      const auto data = y.getData(std::size_t(j));
+      for (std::size_t i = 0; i < rows.size(); ++i) Y(Eigen::Index(i), first + j) = data[rows[i]];
+    }
+  }
+  return Y;
+}
+
+RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
+  const int mine = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
+  int slender = 0;
+  Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(slender));
+  if (slender != 0) return {};
+  auto rows = contactRowsOf(base_->jump().multipliers());
+  Eigen::MatrixXd Y = rowsOfBCZ(rows), YK(Y.rows(), Y.cols());
+  for (Eigen::Index i = 0; i < Y.rows(); ++i) YK.row(i) = solve(Y.row(i).transpose()).transpose();
+  return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(rows), std::move(Y), std::move(YK)));
 }
 
 void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {

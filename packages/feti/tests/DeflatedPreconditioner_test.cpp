@@ -78,6 +78,27 @@ TEUCHOS_UNIT_TEST(SoftModes, TellPlatesFromBlocksAndKeepTheEnergy) {
   }
 }
 
+// Between contact rows by the difference, where nothing is slender.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
+  const Setup plates(0.02), t(1.0);
+  TEST_ASSERT(plates.deflated->contactBlock().is_null());
+  const auto block = t.deflated->contactBlock();
+  TEST_ASSERT(!block.is_null());
+  const Dense Z = denseOf(*t.deflated), between = denseOf(*block);
+  const auto isContact = [&](Eigen::Index row) {
+    const RowKind kind = t.scene.rows.kinds[std::size_t(row)];
+    return kind == RowKind::Normal || kind == RowKind::Tangential;
+  };
+  int compared = 0;
+  for (Eigen::Index i = 0; i < Z.rows(); ++i)
+    for (Eigen::Index j = 0; j < Z.cols(); ++j) {
+      if (!isContact(i) || !isContact(j)) continue;
+      ++compared;
+      TEST_ASSERT(std::abs(between(i, j) - Z(i, j)) <= 1e-10 * largest(Z));
+    }
+  TEST_ASSERT(compared > 0);
+}
+
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
   for (double height : {1.0, 0.02}) {
     const Setup t(height);

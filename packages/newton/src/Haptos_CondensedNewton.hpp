@@ -22,8 +22,8 @@ class CondensedNewton {
   static constexpr long kLargest = 400;
   static constexpr long kCheap = 150;  ///< pairs up to which its dense solves cost less than the directions it saves on a plateau
 
-  /// \brief 3 x pairs applications of M.  Collective.
-  CondensedNewton(RCP<const Operator> M, const DualVectors& vectors);
+  /// \brief 3 x pairs applications of `contactM`, M between contact rows, or of M where it is null.  Collective.
+  CondensedNewton(RCP<const Operator> M, const RCP<const Operator>& contactM, const DualVectors& vectors);
 
   /// \brief Solves the linearised law.  \param s its gluing rows are read, \param phi [3 pairs].
   /// Collective: two applications of M, two reductions.

@@ -25,8 +25,12 @@ struct ContactOperators {
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
   RCP<const Operator> contactM;       ///< M between contact rows, cheaper than M; null: M itself is used
   RCP<const Operator> contactRowsOfM; ///< M x of which only the contact rows are read; null: M itself is used
-  /// Makes, at a price, a better M with G M = 0 (DeflatedPreconditioner), or null; empty: there is none.  Collective.
-  std::function<RCP<const Operator>()> makeDeflatedM;
+  /// A better M with G M = 0 (DeflatedPreconditioner), and M between contact rows where that is cheaper than M; else null.
+  struct Deflated {
+    RCP<const Operator> M, contactM;
+  };
+  /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
+  std::function<Deflated()> makeDeflatedM;
   bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows

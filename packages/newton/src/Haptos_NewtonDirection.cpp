@@ -43,9 +43,9 @@ NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::Vect
 bool NewtonDirection::useModel() {
   if (!mayHaveModel_) return hasModel();
   mayHaveModel_ = false;
-  const RCP<const Operator> M = dual_.makeDeflatedM();
-  if (M.is_null()) return false;
-  condensed_ = std::make_unique<CondensedNewton>(M, vectors_);
+  const auto deflated = dual_.makeDeflatedM();
+  if (deflated.M.is_null()) return false;
+  condensed_ = std::make_unique<CondensedNewton>(deflated.M, deflated.contactM, vectors_);
   const Eigen::VectorXd felt = condensed_->normalStiffness();
   pairStiffness_ = (felt.array() > 0).select(felt, pairStiffness_);
   return true;

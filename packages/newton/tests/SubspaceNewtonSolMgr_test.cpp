@@ -247,9 +247,9 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
       Setup t(makeContact(40, 30, floating, 4));
       ContactOperators o = t.operators();
       int made = 0;
-      o.makeDeflatedM = [&]() -> RCP<const Operator> {
+      o.makeDeflatedM = [&]() -> ContactOperators::Deflated {
         ++made;
-        return rcp(new DenseOperator(t.map, balancedInverse(t.d)));
+        return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
       };
       o.needsDeflatedM = atOnce;
       if (!atOnce) {

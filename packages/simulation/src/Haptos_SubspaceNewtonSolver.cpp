@@ -12,7 +12,7 @@
 namespace Haptos {
 namespace {
 
-ContactOperators contactOperators(const FetiSystem& system, std::function<RCP<const Operator>()> makeDeflatedM) {
+ContactOperators contactOperators(const FetiSystem& system, std::function<ContactOperators::Deflated()> makeDeflatedM) {
   const DualProblem& dual = system.dual();
   ContactOperators o;
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
@@ -64,9 +64,10 @@ struct SubspaceNewtonSolver::Impl {
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.isFinalLevel ? estimator.kkt() : record.residual, l); });
   }
 
-  RCP<const Operator> makeDeflated() {
+  ContactOperators::Deflated makeDeflated() {
     deflated = context.system.makeDeflated();
-    return deflated;
+    if (deflated.is_null()) return {};
+    return {deflated, deflated->contactBlock()};
   }
 
   void keep(double residual, const Vector& l) {
