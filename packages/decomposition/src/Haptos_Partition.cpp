@@ -89,7 +89,7 @@ std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elemen
   options[METIS_OPTION_SEED] = seed;
   options[METIS_OPTION_NUMBERING] = 0;
   options[METIS_OPTION_CONTIG] = 1;
-  options[METIS_OPTION_NCUTS] = 2;
+  options[METIS_OPTION_NCUTS] = 1;
   options[METIS_OPTION_UFACTOR] = 50;
   idx_t n = idx_t(elements.size()), constraints = 1, count = parts, cut = 0;
   std::vector<idx_t> part(elements.size(), 0);
