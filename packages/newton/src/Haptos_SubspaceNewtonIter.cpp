@@ -214,6 +214,15 @@ bool SubspaceNewtonIter::progressIsPoor() const {
   return int(n) > kWindow && window_[n - 1] > kWindowFactor * window_[n - 1 - kWindow];
 }
 
+// A slow way that is nearly done is shorter than a new one.
+bool SubspaceNewtonIter::isNearlyThere(const NewtonLimits& limits) const {
+  constexpr double kFewSteps = 15;
+  const std::size_t n = window_.size();
+  if (int(n) <= kWindow || !(window_[n - 1] < window_[n - 1 - kWindow])) return false;
+  const double perStep = std::log(window_[n - 1 - kWindow] / window_[n - 1]) / kWindow;
+  return std::log(window_[n - 1] / std::max(limits.tolerance * limits.reference, 1e-300)) < kFewSteps * perStep;
+}
+
 bool SubspaceNewtonIter::hasMorePenalties() const { return penaltyTried_ + 1 < int(std::size(kPenalties)); }
 
 // The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps.
@@ -274,7 +283,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       halvedAt_ = applications();
     }
     const bool stalled = hasStalled(limits, 1), poor = !linear_ && progressIsPoor();
-    if (stalled || (poor && direction_.modelIsCheap() && !hasMorePenalties())) {
+    if (stalled || (poor && direction_.modelIsCheap() && !hasMorePenalties() && !isNearlyThere(limits))) {
       stop = direction_.mayHaveModel() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }

@@ -59,6 +59,7 @@ class SubspaceNewtonIter {
   double solveInSubspace(NewtonState& state);
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
+  bool isNearlyThere(const NewtonLimits& limits) const;
   bool hasMorePenalties() const;
   bool progressIsPoor() const;
   void leavePlateau(const NewtonState& state);

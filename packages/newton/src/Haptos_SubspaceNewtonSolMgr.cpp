@@ -199,7 +199,8 @@ struct SubspaceNewtonSolMgr::Work {
     const NewtonStop stop = descend();
     if (stop != NewtonStop::Plateau) return stop;
     useModel();
-    return descend();
+    const NewtonStop fromHere = run(pairs, 0.1 * tolerance, count("Patience"), true, false);
+    return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
   }
 
   NewtonStop descend() {
