@@ -29,13 +29,13 @@ class CondensedNewton {
   /// Collective: two applications of M, two reductions.
   Eigen::VectorXd linearDirection(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const;
 
-  /// \brief Solves the law, as far as a damped Newton method gets.  \param r [pairs].  Collective, as above.
   struct Step {
     Eigen::VectorXd z;      ///< [rows] multipliers
     Eigen::VectorXd sigma;  ///< [3 pairs] change of the contact jumps, sign reversed
   };
+  /// \brief Solves the law, as far as a damped Newton method gets.  \param r [pairs].  Collective, as above.
   Step direction(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r, const Eigen::VectorXd& lambda,
-                            const Eigen::VectorXd& s) const;
+                 const Eigen::VectorXd& s) const;
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one.
   Eigen::VectorXd normalStiffness() const;
