@@ -19,8 +19,7 @@ namespace Haptos {
 /// compute alike: for contact surfaces of at most `kLargest` pairs.
 class CondensedNewton {
  public:
-  static constexpr long kLargest = 400;
-  static constexpr long kCheap = 150;  ///< pairs up to which its dense solves cost less than the directions it saves on a plateau
+  static constexpr long kLargest = 150;
 
   /// \brief 3 x pairs applications of `contactM`, M between contact rows, or of M where it is null.  Collective.
   CondensedNewton(RCP<const Operator> M, const RCP<const Operator>& contactM, const DualVectors& vectors);

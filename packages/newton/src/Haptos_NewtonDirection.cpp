@@ -37,7 +37,6 @@ NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::Vect
   weights_ = stiffness_ / (median > 0 ? median : 1.0);
   const double pairs = vectors.sum(double(vectors.numPairs()));
   mayHaveModel_ = dual.makeDeflatedM && pairs > 0 && pairs <= double(CondensedNewton::kLargest);
-  modelIsCheap_ = pairs <= double(CondensedNewton::kCheap);
 }
 
 bool NewtonDirection::useModel() {

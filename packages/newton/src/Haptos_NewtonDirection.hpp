@@ -32,7 +32,6 @@ class NewtonDirection {
   /// `pairStiffness`.  \return whether it is so.  Collective.
   bool useModel();
   bool mayHaveModel() const { return mayHaveModel_; }  ///< useModel was not called and could help
-  bool modelIsCheap() const { return mayHaveModel_ && modelIsCheap_; }
   bool hasModel() const { return condensed_ != nullptr; }
 
   /// \brief With a model: the direction for the law itself, not for its linearisation.  Collective.
@@ -68,7 +67,7 @@ class NewtonDirection {
   std::unique_ptr<ActiveCoarseProjection> coarse_;
   CompliantPreconditioner preconditioner_;
   std::unique_ptr<CondensedNewton> condensed_;
-  bool mayHaveModel_ = false, modelIsCheap_ = false;
+  bool mayHaveModel_ = false;
 };
 
 /// \brief Median of this rank's and all other ranks' values.  Collective.

@@ -283,7 +283,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       halvedAt_ = applications();
     }
     const bool stalled = hasStalled(limits, 1), poor = !linear_ && progressIsPoor();
-    if (stalled || (poor && direction_.modelIsCheap() && !hasMorePenalties() && !isNearlyThere(limits))) {
+    if (stalled || (poor && direction_.mayHaveModel() && !hasMorePenalties() && !isNearlyThere(limits))) {
       stop = direction_.mayHaveModel() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
