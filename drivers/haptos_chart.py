@@ -52,7 +52,6 @@ SCENES = {  # name: input, parameters that differ from it
 PUBLISHED = {1: (180, 269, 356, 470), 2: (483, 657, 665, 847), 3: (636, 878, 906, 1071),
              4: (737, 939, 1173, 1400), 5: (812, 1039, 1533, 1776)}
 
-
 ACCURACY_COLUMNS = ("scene", "method", "method_used", "tolerance", "status", "reason", "multiplications",
                     "preconditioner_applications", "solve_seconds", "kkt", "force_error")
 PROFILE_COLUMNS = ("scene", "method", "method_used", "status", "multiplications", "kkt", "force_error", "remark")
@@ -62,6 +61,7 @@ COUNTS_COLUMNS = ("k", "p", "subdomains", "unknowns", "published", "tolerance", 
 TIED_COLUMNS = ("k", "p", "subdomains", "tolerance", "contact_status", "contact_multiplications", "contact_solve_seconds",
                 "tied_method", "tied_status", "tied_multiplications", "tied_solve_seconds", "ratio_multiplications", "ratio_seconds")
 TIED_AT = 1e-6
+
 
 def launch(command, time_limit):
     """Exit status (None where the time limit was hit) and the text on stdout."""

@@ -13,8 +13,6 @@ namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-bool isContact(RowKind kind) { return kind == RowKind::Normal || kind == RowKind::Tangential; }
-
 template <class Predicate>
 RCP<const Map> subsetMap(const Map& map, Predicate&& isKept) {
   std::vector<GlobalOrdinal> kept;
@@ -39,7 +37,7 @@ void ContactBlock::findNearRows() {
   {
     const auto marks = mine.getDataNonConst(0);
     for (std::size_t row = 0; row < kinds.size(); ++row) {
-      if (!isContact(kinds[row])) continue;
+      if (isEquality(kinds[row])) continue;
       marks[row] = 1;
       for (RowMatrix::InnerIterator it(inverse, Eigen::Index(row)); it; ++it) marks[it.col()] = 1;
     }
@@ -47,7 +45,7 @@ void ContactBlock::findNearRows() {
       if (marks[row] != 0) {
         position[row] = int(near_.size());
         near_.push_back(int(row));
-        isContact_.push_back(isContact(kinds[row]));
+        isContact_.push_back(!isEquality(kinds[row]));
       }
   }
   std::vector<Eigen::Triplet<double>> triplets;

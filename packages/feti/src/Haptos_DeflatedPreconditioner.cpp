@@ -31,7 +31,7 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
 std::vector<int> contactRowsOf(const MultiplierMap& multipliers) {
   std::vector<int> rows;
   for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
-    if (multipliers.kinds()[row] == RowKind::Normal || multipliers.kinds()[row] == RowKind::Tangential) rows.push_back(int(row));
+    if (!isEquality(multipliers.kinds()[row])) rows.push_back(int(row));
   return rows;
 }
 
