@@ -46,6 +46,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
     starts_ = {};
     indices_ = {};
     values_ = {};
+    if (isSuper_) cholmod_free_factor(&factor_, &common_);  // the analysis, of no more use
   }
 
  private:
@@ -73,6 +74,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
 
   mutable cholmod_common common_;
   cholmod_factor* factor_ = nullptr;  // symbolic only while one of the two below has L
+  bool isSuper_ = false;              // one of the two below has L
   SupernodalFactor<double> inDouble_;
   SupernodalFactor<float> inSingle_;
   bool single_ = false;
@@ -219,7 +221,8 @@ int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
   TEUCHOS_TEST_FOR_EXCEPTION(!ran, std::runtime_error,
                              "CHOLMOD: the factorisation of " << a.nrow << " unknowns failed with status "
                                                               << common_.status << " (-2: out of memory)");
-  if (factor_->is_super) takeSupernodes();
+  isSuper_ = factor_->is_super != 0;
+  if (isSuper_) takeSupernodes();
   this->setNnzLU(countEntries());
   return 0;
 }
@@ -243,7 +246,7 @@ int CholmodSolver<Matrix, Vector>::failedColumn() const {
 
 template <class Matrix, class Vector>
 std::size_t CholmodSolver<Matrix, Vector>::countEntries() const {
-  if (factor_->is_super) return single_ ? inSingle_.entries() : inDouble_.entries();
+  if (isSuper_) return single_ ? inSingle_.entries() : inDouble_.entries();
   const int* counts = static_cast<const int*>(factor_->nz);
   std::size_t entries = 0;
   for (std::size_t j = 0; j < factor_->n; ++j) entries += counts[j];
@@ -262,7 +265,7 @@ int CholmodSolver<Matrix, Vector>::solve_impl(const Teuchos::Ptr<Adapter> X,
                   Eigen::OuterStride<>(std::max<Eigen::Index>(n, Eigen::Index(B->getStride()))));
   Columns x(firstX->getLocalViewHost(Tpetra::Access::OverwriteAll).data(), n, columns,
             Eigen::OuterStride<>(std::max<Eigen::Index>(n, Eigen::Index(X->getStride()))));
-  if (!factor_->is_super) solveByCholmod(b, x);
+  if (!isSuper_) solveByCholmod(b, x);
   else if (single_) inSingle_.solve(b, x);
   else inDouble_.solve(b, x);
   return 0;

@@ -5,13 +5,11 @@
 #include <vector>
 
 #include "Haptos_JumpOperator.hpp"
-#include "Haptos_LocalSchur.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_RowGram.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos {
-
-enum class PreconditionerKind { Dirichlet, Lumped };
 
 /// \brief M = B_D S B_D^T with B_D = (B W B^T)^+ B W; S the Schur complements (Dirichlet) or K_bb (lumped).
 ///
@@ -20,9 +18,8 @@ enum class PreconditionerKind { Dirichlet, Lumped };
 /// Sources: Farhat and Roux 1991 (lumped), Farhat, Mandel and Roux 1994 (Dirichlet), Rixen and Farhat 1999 (scaling).
 class DualPreconditioner final : public Operator {
  public:
-  /// \param inDouble [local subdomains, or empty] those whose S is kept in double precision instead of single
-  DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, const std::vector<Subdomain>& subdomains,
-                     PreconditionerKind kind, LocalSolverMethod method, const std::vector<char>& inDouble = {});
+  /// \param surface of all classes of `systems`
+  DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, SurfaceOperators surface);
 
   RCP<const Map> getDomainMap() const override { return jump_->getRangeMap(); }
   RCP<const Map> getRangeMap() const override { return jump_->getRangeMap(); }
@@ -30,9 +27,8 @@ class DualPreconditioner final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
-  /// \brief Diagonal of M up to the coupling of different rows at one node: sum of B_D^2 diag(S) [force/length].
-  ///
-  /// diag(S) is estimated from K_bb: exact it costs a solve for every unknown and serves no better.  Collective.
+  /// \brief Diagonal of M up to the coupling of different rows at one node: sum of B_D^2 diag(S) [force/length], S as
+  /// `SurfaceOperators::diagonal` has it.  Collective.
   RCP<Vector> diagonal() const;
 
   long applications() const { return applications_; }
@@ -47,16 +43,16 @@ class DualPreconditioner final : public Operator {
   void collect(MultiVector& t, MultiVector& y) const;
 
   /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
-  void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
+  void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const { surface_.apply(congruenceClass, X, Y); }
 
   /// \brief S(c, c) of one class, `c` positions in its boundary list; symmetric.
-  Eigen::MatrixXd schurBlock(int congruenceClass, const std::vector<int>& c) const;
+  Eigen::MatrixXd schurBlock(int congruenceClass, const std::vector<int>& c) const { return surface_.block(congruenceClass, c); }
 
   const JumpOperator& jump() const { return *jump_; }
   const RowGram& gram() const { return gram_; }
   const LocalSystems& systems() const { return *systems_; }
-  const std::vector<int>& boundary(int congruenceClass) const { return boundary_[congruenceClass]; }  ///< local dofs
-  Eigen::Index boundarySize(int congruenceClass) const { return Eigen::Index(boundary_[congruenceClass].size()); }
+  const std::vector<int>& boundary(int congruenceClass) const { return surface_.boundary(congruenceClass); }  ///< local dofs
+  Eigen::Index boundarySize(int congruenceClass) const { return Eigen::Index(boundary(congruenceClass).size()); }
 
  private:
   void applyLocal(MultiVector& t, const std::vector<std::vector<int>>& members) const;
@@ -66,10 +62,7 @@ class DualPreconditioner final : public Operator {
   RCP<const LocalSystems> systems_;
   RowGram gram_;
   std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
-  std::vector<std::vector<int>> boundary_;     // [classes] boundary dofs
-  std::vector<const LocalCondensation*> condensed_;      // [classes] of systems_; null where schur_ acts
-  std::vector<std::unique_ptr<LocalSchur>> schur_;      // [classes] null where condensed
-  PreconditionerKind kind_;
+  SurfaceOperators surface_;
   mutable long applications_ = 0;
 };
 

@@ -70,6 +70,16 @@ bool isTranslatedCopy(const Subdomain& a, const Subdomain& b) {
   return difference <= kSamePlace * extent;
 }
 
+Eigen::MatrixX3d componentSums(const Eigen::SparseMatrix<double>& K) {
+  Eigen::MatrixX3d sums = Eigen::MatrixX3d::Zero(K.rows(), 3);
+  for (Eigen::Index i = 0; i < K.cols(); ++i)  // K is symmetric: columns are rows
+    for (Eigen::SparseMatrix<double>::InnerIterator it(K, i); it; ++it) sums(i, it.row() % 3) += std::abs(it.value());
+  return sums;
+}
+
+// An assignment of nothing would keep the memory.
+void letGo(Eigen::SparseMatrix<double>& K) { Eigen::SparseMatrix<double>().swap(K); }
+
 bool congruent(const LocalSystem& a, const LocalSystem& b) {
   if (!samePattern(a.K, b.K)) return false;
   const Eigen::Map<const Eigen::VectorXd> va(a.K.valuePtr(), a.K.nonZeros()), vb(b.K.valuePtr(), b.K.nonZeros());
@@ -98,6 +108,7 @@ void LocalSystems::assemble(const std::vector<Subdomain>& subdomains, const std:
     }
     candidates.push_back(int(i));
     systems_[i].K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
+    systems_[i].magnitude = componentSums(systems_[i].K);
     systems_[i].R = rigidBodyModes(subdomains[i].coordinates, {});
   }
 }
@@ -114,7 +125,8 @@ void LocalSystems::findClasses() {
         if (congruent(systems_[representative_[c]], systems_[i])) {
           found = c;
           copyOf_[i] = representative_[c];
-          systems_[i].K = {};
+          letGo(systems_[i].K);
+          systems_[i].magnitude = {};
           break;
         }
       if (found < 0) {
@@ -140,7 +152,7 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, LocalSolverM
 }
 
 void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method,
-                          LocalDual dual, double mayUse) {
+                          LocalDual dual, double mayUse, const std::function<void(int)>& lastUse) {
   findClasses();
   solvers_.clear();
   solvers_.resize(representative_.size());
@@ -156,10 +168,18 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
       if (wanted) makeCondensation(c, boundary, LocalCondensation::Scope::Both);
     }
-    if (condensed_[c]) continue;
-    solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
-    solvers_[c]->releaseMatrix();  // K and the factor are kept
+    if (!condensed_[c]) {
+      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
+      solvers_[c]->releaseMatrix();
+    }
+    if (!lastUse) continue;
+    lastUse(c);
+    releaseStiffness(c);  // before the next class: its pages serve that one's factor
   }
+}
+
+void LocalSystems::releaseStiffness(int c) {
+  if (condensationOf(c) == nullptr) letGo(systems_[representative_[c]].K);
 }
 
 void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains) {
@@ -216,7 +236,7 @@ const char* LocalSystems::methodName() const {
 
 void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
   const auto& members = members_[c];
-  const Eigen::Index n = systems_[members.front()].K.rows();
+  const Eigen::Index n = systems_[members.front()].R.rows();
   for (std::size_t first = 0; first < members.size(); first += kBlock) {
     const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
     Eigen::MatrixXd B(n, width), X(n, width);

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -16,8 +17,9 @@ namespace Haptos {
 
 /// \brief K and R of one subdomain; dof = 3 x local node + component.
 struct LocalSystem {
-  Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles; kept for one member of a class, see LocalSystems::stiffness
+  Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles; of one member of a class, and until LocalSystems lets it go
   Eigen::MatrixXd R;              ///< [n x 6], orthonormal columns, K R = 0
+  Eigen::MatrixX3d magnitude;  ///< see LocalSystems::magnitude
   int congruenceClass = 0;        ///< local to the rank; members share K, R and the factor
 };
 
@@ -45,8 +47,9 @@ class LocalSystems {
   ///
   /// \param jump rows of B, whose unknowns a condensed subdomain keeps beside its surface
   /// \param mayUse bytes that dense matrices may take on this rank, as far as `dual` leaves the choice
+  /// \param lastUse if given, called for every class, and K of a factored one is let go after it: half of the memory
   void factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method, LocalDual dual,
-              double mayUse = 4e9);
+              double mayUse = 4e9, const std::function<void(int congruenceClass)>& lastUse = {});
 
   /// \brief Factors every class by `method`, without dense matrices.
   void factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method);
@@ -57,8 +60,12 @@ class LocalSystems {
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
-  /// \brief K of a subdomain, that of its class's first member.
-  const Eigen::SparseMatrix<double>& stiffness(int i) const { return systems_[copyOf_[i] >= 0 ? copyOf_[i] : i].K; }
+  /// \brief K of a class, as long as it is kept.
+  const Eigen::SparseMatrix<double>& stiffness(int congruenceClass) const { return systems_[representative_[congruenceClass]].K; }
+  /// \brief Sums of |K_ij| over the unknowns j of one component, [n x 3]: what round-off in K u is proportional to.
+  const Eigen::MatrixX3d& magnitude(int i) const { return systems_[copyOf_[i] >= 0 ? copyOf_[i] : i].magnitude; }
+  /// \brief Lets K of a class go, unless its dense matrices need it.
+  void releaseStiffness(int congruenceClass);
   /// \brief Factor of a class, null where it is condensed.
   const LocalSolver* solverOf(int congruenceClass) const { return solvers_[congruenceClass].get(); }
   /// \brief Dense matrices of a class; null where it is factored, or before both.

@@ -30,8 +30,9 @@ struct Setup {
     feti = makeFeti(Tpetra::getDefaultComm(), scene);
     for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub));
     const std::vector<char> all(slender.size(), 1);
-    M = Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, PreconditionerKind::Dirichlet,
-                                            LocalSolverMethod::Automatic, all));
+    M = Teuchos::rcp(new DualPreconditioner(
+        feti.dealt.jump, feti.systems,
+        SurfaceOperators(*feti.systems, feti.dealt.mine, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
     deflated = DeflatedPreconditioner::make(M, slender);
   }
 

@@ -70,7 +70,8 @@ Dense denseM(const Scene& scene, PreconditionerKind kind) {
 constexpr double kSingle = 2e-6;  // what single precision leaves of an entry, in parts of the largest
 
 RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
-  return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic));
+  return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems,
+                                             SurfaceOperators(*feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic)));
 }
 
 }  // namespace

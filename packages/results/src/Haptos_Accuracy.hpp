@@ -42,7 +42,7 @@ struct AccuracyInput {
   LoadScales loads;
 };
 
-/// \brief eps || |K| |u| || / ext: no smaller equilibrium can be expected.  Collective.
+/// \brief eps || |K| |u| || / ext, up to the change of u between neighbours: no smaller equilibrium can be expected.  Collective.
 /// \param offsets [local subdomains + 1] in the primal map
 double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext);
 

@@ -65,6 +65,18 @@ void addForces(const Subdomain& sub, const std::vector<int>& copies, const Nodal
   }
 }
 
+// Near incompressibility S is stiff against changes of volume, which F does not mirror: a capped ratio does better.
+bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<IsotropicMaterial>& capped) {
+  constexpr double kLargestRatio = 0.4;
+  bool any = false;
+  capped = materials;
+  for (auto& material : capped) {
+    any = any || material.poissonsRatio > kLargestRatio;
+    material.poissonsRatio = std::min(material.poissonsRatio, kLargestRatio);
+  }
+  return any;
+}
+
 // Runs work that may throw on one rank alone, and lets all ranks throw.
 template <class Work>
 void runTogether(const Communicator& comm, Work&& work) {
@@ -113,9 +125,33 @@ void FetiSystem::assemble() {
   requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
 }
 
-void FetiSystem::factor(LocalSolverMethod method, LocalDual dual) {
+void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<PreconditionerKind> preconditioner) {
+  kind_ = preconditioner;
+  localMethod_ = method;
+  const bool capped = capMaterials(model_.data.materials, cappedMaterials_);
+  SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), method);
   const double mayUse = 0.5 * physicalMemoryBytes() / double(model_.comm->getSize());  // as if all ranks shared one machine
-  systems_->factor(model_.subdomains, *jump_, method, dual, mayUse);
+  systems_->factor(model_.subdomains, *jump_, method, dual, mayUse, [&](int) {
+    if (kind_ && !capped) surface.add(*systems_, model_.subdomains);
+  });
+  if (!kind_) return;
+  findSlender();
+  RCP<const LocalSystems> systems = systems_;
+  if (capped) systems = assembleAgain(surface, kind_ == PreconditionerKind::Dirichlet);
+  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface)));
+}
+
+// K once more, each class as long as the preconditioner's part of it is made.
+RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, bool dense) const {
+  const auto systems = Teuchos::rcp(new LocalSystems);
+  systems->assemble(model_.subdomains, cappedMaterials_, model_.data.formulation);
+  if (dense) systems->condenseLike(*systems_, model_.subdomains);
+  else systems->findClasses();
+  for (int c = 0; c < systems->numClasses(); ++c) {
+    surface.add(*systems, model_.subdomains);
+    systems->releaseStiffness(c);
+  }
+  return systems;
 }
 
 void FetiSystem::formDual(const CoarseOptions& coarse) {
@@ -125,28 +161,9 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
   dual_ = makeDualProblem(F, G_, GGT, *f_, *c_);
 }
 
-void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod method) {
-  // Near incompressibility S is stiff against changes of volume, which F does not mirror: a capped ratio does better.
-  constexpr double kLargestRatio = 0.4;
-  RCP<LocalSystems> systems = systems_;
-  auto materials = model_.data.materials;
-  bool capped = false;
-  for (auto& material : materials) {
-    capped = capped || material.poissonsRatio > kLargestRatio;
-    material.poissonsRatio = std::min(material.poissonsRatio, kLargestRatio);
-  }
-  if (capped) {
-    systems = Teuchos::rcp(new LocalSystems);
-    systems->assemble(model_.subdomains, materials, model_.data.formulation);
-    if (kind == PreconditionerKind::Dirichlet) systems->condenseLike(*systems_, model_.subdomains);
-    else systems->findClasses();
-  }
-  kind_ = kind;
-  localMethod_ = method;
-  preconditionerSystems_ = systems;
+void FetiSystem::findSlender() {
   slender_.clear();
-  for (const auto& sub : model_.subdomains) slender_.push_back(kind == PreconditionerKind::Dirichlet && isSlender(sub));
-  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, model_.subdomains, kind, method));
+  for (const auto& sub : model_.subdomains) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(sub));
   const int mine = std::count(slender_.begin(), slender_.end(), char(1)) > 0;
   int any = 0;
   Teuchos::reduceAll(*model_.comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
@@ -154,11 +171,11 @@ void FetiSystem::makePreconditioner(PreconditionerKind kind, LocalSolverMethod m
 }
 
 RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {
-  if (preconditioner_.is_null() || kind_ != PreconditionerKind::Dirichlet) return {};
+  if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
-  const std::vector<char> all(slender_.size(), 1);
-  const auto base = Teuchos::rcp(new DualPreconditioner(jump_, preconditionerSystems_, model_.subdomains, kind_, localMethod_, all));
-  return DeflatedPreconditioner::make(base, slender_);
+  SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
+  const auto systems = assembleAgain(surface, false);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_);
 }
 
 }  // namespace Haptos

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <memory>
+#include <optional>
+#include <vector>
 
 #include "Haptos_BodyMotions.hpp"
 #include "Haptos_ContactLaw.hpp"
@@ -22,9 +24,9 @@ class FetiSystem {
   /// \throws InputError, InsufficientModel on all ranks
   void assemble();
   /// \param dual how K^+ is applied, see `LocalDual`; dense matrices take at most half the machine's memory
-  void factor(LocalSolverMethod method, LocalDual dual);
+  /// \param preconditioner made in the same go, or none: K is let go after it
+  void factor(LocalSolverMethod method, LocalDual dual, std::optional<PreconditionerKind> preconditioner);
   void formDual(const CoarseOptions& coarse = {});
-  void makePreconditioner(PreconditionerKind kind, LocalSolverMethod method);
 
   const DistributedModel& model() const { return model_; }
   const ContactLaw& law() const { return law_; }
@@ -35,7 +37,7 @@ class FetiSystem {
   const Vector& f() const { return *f_; }
   const Vector& c() const { return *c_; }
   const DualProblem& dual() const { return dual_; }
-  const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }
+  const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
   bool hasSlenderSubdomains() const { return anySlender_; }  ///< on any rank, and the preconditioner is Dirichlet's
   /// \brief The preconditioner with rigid motions deflated, and the soft ones of slender subdomains; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
@@ -43,6 +45,8 @@ class FetiSystem {
 
  private:
   void assembleLoads();
+  void findSlender();
+  RCP<const LocalSystems> assembleAgain(SurfaceOperators& surface, bool dense) const;
 
   const DistributedModel& model_;
   ContactLaw law_;
@@ -55,9 +59,9 @@ class FetiSystem {
   std::vector<int> copies_;  ///< [mesh nodes] subdomains that share a node; only for nodal forces
   DualProblem dual_;
   RCP<const DualPreconditioner> preconditioner_;
-  RCP<const LocalSystems> preconditionerSystems_;
+  std::vector<IsotropicMaterial> cappedMaterials_;  ///< of the preconditioner
   LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
-  PreconditionerKind kind_ = PreconditionerKind::Dirichlet;
+  std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]
   bool anySlender_ = false;
 };

@@ -29,6 +29,12 @@ LocalDual localDual(const ParameterList& parameters) {
   return dual == "Implicit" ? LocalDual::Implicit : dual == "Explicit" ? LocalDual::Explicit : LocalDual::Automatic;
 }
 
+std::optional<PreconditionerKind> preconditionerKind(const ParameterList& parameters) {
+  const auto type = parameters.sublist("Preconditioner").get<std::string>("Type");
+  if (type == "None" || parameters.sublist("Solver").get<std::string>("Method") == "SMALSE") return {};
+  return type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet;
+}
+
 std::string lawName(FrictionLaw law) {
   return law == FrictionLaw::Coulomb ? "Coulomb" : law == FrictionLaw::Tresca ? "Tresca" : "Frictionless";
 }
@@ -181,12 +187,6 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
                         std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
   }};
   if (method == "SMALSE") return std::make_unique<SmalseContactSolver>(context, list.sublist("SMALSE"));
-  const auto type = parameters_.sublist("Preconditioner").get<std::string>("Type");
-  if (type != "None") {
-    const auto scope = clock_.time(Phase::Factor);
-    system_->makePreconditioner(type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet,
-                                localMethod(parameters_));
-  }
   if (method == "PCPG") return std::make_unique<PcpgSolver>(context);
   if (method == "Subspace Newton") return std::make_unique<SubspaceNewtonSolver>(context, list);
   return std::make_unique<AutomaticSolver>(context, list);
@@ -202,7 +202,7 @@ Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u)
 SimulationResult Simulation::solve() {
   {
     const auto scope = clock_.time(Phase::Factor);
-    system_->factor(localMethod(parameters_), localDual(parameters_));
+    system_->factor(localMethod(parameters_), localDual(parameters_), preconditionerKind(parameters_));
     describeLocalSystems();
   }
   {

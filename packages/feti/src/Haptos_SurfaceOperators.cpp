@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SurfaceOperators.hpp"
+
+#include "Haptos_SubdomainSurface.hpp"
+
+namespace Haptos {
+namespace {
+
+Eigen::VectorXd estimateDiagonal(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, PreconditionerKind kind) {
+  constexpr double kSchurOfStiffness = 0.5;  // diag(S) / diag(K_bb), typical of surface nodes
+  const double factor = kind == PreconditionerKind::Dirichlet ? kSchurOfStiffness : 1.0;
+  Eigen::VectorXd d(Eigen::Index(boundary.size()));
+  for (std::size_t i = 0; i < boundary.size(); ++i) d[Eigen::Index(i)] = factor * K.coeff(boundary[i], boundary[i]);
+  for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
+  return d;
+}
+
+}  // namespace
+
+SurfaceOperators::SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble)
+    : kind_(kind), method_(method), inDouble_(std::move(inDouble)) {}
+
+SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, PreconditionerKind kind,
+                                   LocalSolverMethod method, std::vector<char> inDouble)
+    : SurfaceOperators(kind, method, std::move(inDouble)) {
+  while (numClasses() < systems.numClasses()) add(systems, subdomains);
+}
+
+void SurfaceOperators::add(const LocalSystems& systems, const std::vector<Subdomain>& subdomains) {
+  const int c = numClasses(), first = systems.members()[c].front();
+  const auto& K = systems.stiffness(c);
+  const bool exact = std::size_t(first) < inDouble_.size() && inDouble_[std::size_t(first)];
+  const auto* dense = kind_ == PreconditionerKind::Dirichlet ? systems.condensationOf(c) : nullptr;
+  Class made;
+  made.boundary = dense ? dense->boundary() : surfaceDofs(subdomains[first]);
+  made.diagonal = estimateDiagonal(K, made.boundary, kind_);
+  if (!exact) made.condensed = dense;
+  if (!made.condensed) {
+    const FactorPrecision precision = exact ? FactorPrecision::Double : FactorPrecision::Single;
+    made.schur = std::make_unique<LocalSchur>(kind_ == PreconditionerKind::Lumped
+                                                  ? LocalSchur::lumped(K, made.boundary, precision)
+                                                  : LocalSchur(K, systems[first].R, made.boundary, method_, precision));
+  }
+  classes_.push_back(std::move(made));
+}
+
+void SurfaceOperators::apply(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const {
+  const Class& c = classes_[congruenceClass];
+  if (c.condensed) c.condensed->applySchur(X, Y);
+  else c.schur->apply(X, Y);
+}
+
+Eigen::MatrixXd SurfaceOperators::block(int congruenceClass, const std::vector<int>& c) const {
+  const Class& own = classes_[congruenceClass];
+  return own.condensed ? own.condensed->schurBlock(c) : own.schur->block(c);
+}
+
+}  // namespace Haptos

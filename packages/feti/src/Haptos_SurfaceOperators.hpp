@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+#include <vector>
+
+#include "Haptos_LocalSchur.hpp"
+#include "Haptos_LocalSystems.hpp"
+
+namespace Haptos {
+
+enum class PreconditionerKind { Dirichlet, Lumped };
+
+/// \brief The Schur complement S on the surface of a subdomain, or K_bb when lumped, for every class of congruent subdomains.
+///
+/// Made class by class while K is there; later K is not needed.  Nothing here communicates.
+class SurfaceOperators {
+ public:
+  /// \param inDouble [local subdomains, or empty] those whose S is kept in double precision instead of single
+  SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble = {});
+
+  /// \brief Those of all classes at once.
+  SurfaceOperators(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, PreconditionerKind kind, LocalSolverMethod method,
+                   std::vector<char> inDouble = {});
+
+  /// \brief The next class, whose K must be there; its dense matrices, if it has some, must outlive this object.
+  void add(const LocalSystems& systems, const std::vector<Subdomain>& subdomains);
+
+  int numClasses() const { return int(classes_.size()); }
+  const std::vector<int>& boundary(int congruenceClass) const { return classes_[congruenceClass].boundary; }  ///< local dofs
+  /// \brief Y := S X, [boundary x m].
+  void apply(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
+  /// \brief S(c, c), `c` positions in the boundary list; symmetric.
+  Eigen::MatrixXd block(int congruenceClass, const std::vector<int>& c) const;
+  /// \brief Estimate of diag(S) from K_bb [boundary], the mean of a node's three: exact it costs a solve for every unknown and
+  /// serves no better.
+  const Eigen::VectorXd& diagonal(int congruenceClass) const { return classes_[congruenceClass].diagonal; }
+
+ private:
+  struct Class {
+    std::vector<int> boundary;
+    Eigen::VectorXd diagonal;
+    const LocalCondensation* condensed = nullptr;  // of the systems
+    std::unique_ptr<LocalSchur> schur;             // null where condensed
+  };
+  PreconditionerKind kind_;
+  LocalSolverMethod method_;
+  std::vector<char> inDouble_;
+  std::vector<Class> classes_;
+};
+
+}  // namespace Haptos
