@@ -17,8 +17,11 @@ struct SupernodeView {
 };
 
 /// \brief Where a supernode's parts begin in the arrays of a SupernodalFactor.
+///
+/// The triangle is stored by columns from the diagonal down, the diagonal as its reciprocal; then the rectangle by columns of
+/// `storedRows`, those beyond `rowsBelow` being zeros that fill the last register.
 struct Supernode {
-  int first, columns, rowsBelow;
+  int first, columns, rowsBelow, storedRows;
   std::size_t triangle, rectangle, rows;
 };
 
@@ -37,21 +40,21 @@ class SupernodalFactor {
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
   Eigen::Index rows() const { return Eigen::Index(perm_.size()); }
-  std::size_t entries() const { return triangles_.size() + rectangles_.size(); }
+  std::size_t entries() const { return entries_.size(); }
 
  private:
   using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
   void forward(Matrix& X) const;
   void backward(Matrix& X) const;
   Matrix triangleOf(const Supernode& node) const;
+  void append(const Supernode& node, const double* block);
 
   std::vector<int> perm_;
   std::vector<Supernode> nodes_;
   std::vector<int> rowsBelow_;
-  std::vector<Scalar> triangles_;   // by columns from the diagonal down; the diagonal holds its reciprocal
-  std::vector<Scalar> rectangles_;  // rows below the triangle, by columns
-  int largest_ = 0;                 // rows below, of any supernode
-  double scale_ = 1;                // of L
+  std::vector<Scalar> entries_;  // of all supernodes, in the order of a solve
+  int largest_ = 0;              // stored rows of any supernode
+  double scale_ = 1;             // of L
 };
 
 extern template class SupernodalFactor<double>;
