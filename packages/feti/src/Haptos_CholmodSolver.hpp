@@ -16,8 +16,7 @@ namespace Haptos {
 
 /// \brief CHOLMOD as an Amesos2 solver: A = P^T L L^T P for symmetric positive definite A.
 ///
-/// For Tpetra matrices of double on a communicator of one process, stored in full (both triangles; the lower
-/// one is read).  The phases are those of Amesos2: `symbolicFactorization` orders (AMD, and METIS where CHOLMOD
+/// For Tpetra matrices of double on a communicator of one process, stored in full (both triangles).  The phases are those of Amesos2: `symbolicFactorization` orders (AMD, and METIS where CHOLMOD
 /// has it and AMD fills in much; where unknowns come in threes, the nodes instead of them) and analyses,
 /// `numericFactorization` computes L, supernodal where that pays.
 /// `solve` takes any number of right-hand sides.  One object must not solve in two threads at once.
@@ -63,9 +62,12 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   }
   bool loadA_impl(Amesos2::EPhase phase);
 
+  // Only one triangle of A is read: the one that CHOLMOD brings into its order by one transposition instead of two.
+  static constexpr int kLower = -1, kUpper = 1;
+
   std::vector<int> orderByNodes();
   std::vector<int> orderGraph(cholmod_sparse& graph);
-  cholmod_sparse sparseView() const;
+  cholmod_sparse sparseView(int triangle) const;
   int failedColumn() const;
   std::size_t countEntries() const;
   void takeSupernodes();
@@ -132,14 +134,14 @@ bool CholmodSolver<Matrix, Vector>::loadA_impl(Amesos2::EPhase phase) {
 }
 
 template <class Matrix, class Vector>
-cholmod_sparse CholmodSolver<Matrix, Vector>::sparseView() const {
+cholmod_sparse CholmodSolver<Matrix, Vector>::sparseView(int triangle) const {
   cholmod_sparse a{};
   a.nrow = a.ncol = this->globalNumRows_;
   a.nzmax = indices_.extent(0);
   a.p = const_cast<int*>(starts_.data());
   a.i = indices_.data();
   a.x = values_.data();
-  a.stype = -1;  // symmetric, only the lower triangle is read
+  a.stype = triangle;
   a.itype = CHOLMOD_INT;
   a.xtype = CHOLMOD_REAL;
   a.dtype = CHOLMOD_DOUBLE;
@@ -197,7 +199,7 @@ std::vector<int> CholmodSolver<Matrix, Vector>::orderByNodes() {
 template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   cholmod_free_factor(&factor_, &common_);
-  auto a = sparseView();
+  auto a = sparseView(kLower);
   std::vector<int> order = orderByNodes();
   if (!order.empty()) {
     common_.nmethods = 1;
@@ -212,7 +214,7 @@ int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
 
 template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
-  auto a = sparseView();
+  auto a = sparseView(kUpper);
   const bool ran = cholmod_factorize(&a, factor_, &common_);
   TEUCHOS_TEST_FOR_EXCEPTION(common_.status == CHOLMOD_NOT_POSDEF || (ran && factor_->minor < factor_->n),
                              std::runtime_error,

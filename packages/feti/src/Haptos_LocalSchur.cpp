@@ -31,15 +31,25 @@ std::vector<int> complement(Eigen::Index n, const std::vector<int>& listed) {
 /// K(rows, columns)
 Eigen::SparseMatrix<double> extract(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows,
                                     const std::vector<int>& columns) {
-  std::vector<int> newRow(K.rows(), -1);
+  std::vector<int> newRow(std::size_t(K.rows()), -1);
   for (std::size_t i = 0; i < rows.size(); ++i) newRow[rows[i]] = int(i);
-  std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(K, columns[j]); it; ++it)
-      if (newRow[it.row()] >= 0) entries.emplace_back(newRow[it.row()], int(j), it.value());
-  Eigen::SparseMatrix<double> part(rows.size(), columns.size());
-  part.setFromTriplets(entries.begin(), entries.end());
-  return part;
+  Eigen::Index entries = 0;
+  for (const int column : columns)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it) entries += newRow[it.row()] >= 0;
+  Eigen::SparseMatrix<double> part(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  part.resizeNonZeros(entries);
+  Eigen::Index at = 0;
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    for (Eigen::SparseMatrix<double>::InnerIterator it(K, columns[j]); it; ++it) {
+      if (newRow[it.row()] < 0) continue;
+      part.innerIndexPtr()[at] = newRow[it.row()];
+      part.valuePtr()[at++] = it.value();
+    }
+    part.outerIndexPtr()[j + 1] = int(at);
+  }
+  if (std::is_sorted(rows.begin(), rows.end())) return part;
+  const Eigen::SparseMatrix<double> byRows = part.transpose();  // sorts
+  return byRows.transpose();
 }
 
 /// Orthonormal basis of the kernel of K_ii: the kernel vectors of K that vanish on b, seen on i.
