@@ -107,7 +107,8 @@ void LocalSystems::assemble(const std::vector<Subdomain>& subdomains, const std:
       continue;
     }
     candidates.push_back(int(i));
-    systems_[i].K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
+    auto K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
+    systems_[i].K.swap(K);  // an assignment would copy
     systems_[i].magnitude = componentSums(systems_[i].K);
     systems_[i].R = rigidBodyModes(subdomains[i].coordinates, {});
   }

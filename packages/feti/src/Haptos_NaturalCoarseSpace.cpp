@@ -5,6 +5,8 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <algorithm>
+#include <array>
 
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Exchange.hpp"
@@ -15,34 +17,70 @@ namespace {
 
 constexpr int kModes = 6;
 
-// One row of G^T restricted to one subdomain.
+using Values = std::array<double, kModes>;
+
+// One row of G^T restricted to one subdomain, for the rank that owns the row.
 struct Piece {
   GlobalOrdinal row;
   int subdomain;
-  double values[kModes];
+  Values values;
 };
 
-// B R of this rank's subdomains, row by row (entries come sorted by subdomain and row).
-std::vector<Piece> localPieces(const MultiplierMap& multipliers, const LocalSystems& systems, int firstSubdomain) {
-  std::vector<Piece> pieces;
-  for (const auto& entry : multipliers.overlapEntries()) {
-    const GlobalOrdinal row = multipliers.overlapMap()->getGlobalElement(entry.row);
-    if (pieces.empty() || pieces.back().row != row || pieces.back().subdomain != entry.subdomain)
-      pieces.push_back({row, entry.subdomain, {}});
-    const Eigen::MatrixXd& R = systems[entry.subdomain - firstSubdomain].R;
-    for (int m = 0; m < kModes; ++m) pieces.back().values[m] += entry.value * R(entry.dof, m);
+// visit(row of the overlap map, subdomain, values) for B R of this rank's subdomains; entries come sorted by subdomain and row.
+template <class Visit>
+void forEachPiece(const MultiplierMap& multipliers, const LocalSystems& systems, int firstSubdomain, Visit&& visit) {
+  const auto& entries = multipliers.overlapEntries();
+  for (std::size_t k = 0; k < entries.size();) {
+    const int row = entries[k].row, subdomain = entries[k].subdomain;
+    const Eigen::MatrixXd& R = systems[subdomain - firstSubdomain].R;
+    Values values{};
+    for (; k < entries.size() && entries[k].row == row && entries[k].subdomain == subdomain; ++k)
+      for (int m = 0; m < kModes; ++m) values[m] += entries[k].value * R(entries[k].dof, m);
+    visit(row, subdomain, values);
   }
-  return pieces;
 }
 
-std::vector<Piece> sendToOwners(const MultiplierMap& multipliers, const std::vector<Piece>& pieces) {
-  const auto comm = multipliers.map()->getComm();
+// Ranks that own the rows of the overlap map.
+std::vector<int> ownersOf(const MultiplierMap& multipliers) {
   // Every row once: Tpetra 13.2's directory leaves the second of two equal indices without an answer.
   const auto rows = localElementList(*multipliers.overlapMap());
   std::vector<int> ranks(rows.size());
   multipliers.map()->getRemoteIndexList(rows, Teuchos::ArrayView<int>(ranks.data(), ranks.size()));
-  std::vector<std::vector<Piece>> outgoing(comm->getSize());
-  for (const auto& piece : pieces) outgoing[ranks[multipliers.overlapMap()->getLocalElement(piece.row)]].push_back(piece);
+  return ranks;
+}
+
+// G^T row by row from pieces that are announced first and added after: nothing is copied or sorted as a whole, which on large
+// meshes would cost more memory than G itself.
+class RowBuilder {
+ public:
+  explicit RowBuilder(std::size_t rows) : next_(rows + 1, 0) {}
+
+  void announce(int row) { ++next_[std::size_t(row) + 1]; }
+  void allocate(CoarseRows& GT) {
+    GT_ = &GT;
+    for (std::size_t i = 1; i < next_.size(); ++i) next_[i] += next_[i - 1];
+    GT.resizeNonZeros(Eigen::Index(kModes) * next_.back());
+    for (std::size_t i = 0; i < next_.size(); ++i) GT.outerIndexPtr()[i] = kModes * next_[i];
+  }
+  // Pieces of a row lie in ascending order of subdomains.
+  void add(int row, int subdomain, const Values& values) {
+    int at = kModes * next_[std::size_t(row)]++;
+    for (; at > GT_->outerIndexPtr()[row] && GT_->innerIndexPtr()[at - kModes] > kModes * subdomain; at -= kModes) {
+      std::copy_n(GT_->innerIndexPtr() + at - kModes, kModes, GT_->innerIndexPtr() + at);
+      std::copy_n(GT_->valuePtr() + at - kModes, kModes, GT_->valuePtr() + at);
+    }
+    for (int m = 0; m < kModes; ++m) {
+      GT_->innerIndexPtr()[at + m] = kModes * subdomain + m;
+      GT_->valuePtr()[at + m] = values[m];
+    }
+  }
+
+ private:
+  CoarseRows* GT_ = nullptr;
+  std::vector<int> next_;  // [rows + 1] pieces before a row, later before the next piece of it
+};
+
+std::vector<Piece> exchangePieces(const Communicator& comm, const std::vector<std::vector<Piece>>& outgoing) {
   std::vector<Bytes> messages;
   for (const auto& part : outgoing) {
     ByteWriter writer;
@@ -50,7 +88,7 @@ std::vector<Piece> sendToOwners(const MultiplierMap& multipliers, const std::vec
     messages.push_back(writer.take());
   }
   std::vector<Piece> result;
-  for (const auto& message : exchangeAll(*comm, messages)) {
+  for (const auto& message : exchangeAll(comm, messages)) {
     const auto part = ByteReader(message).readVector<Piece>();
     result.insert(result.end(), part.begin(), part.end());
   }
@@ -63,13 +101,27 @@ NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const Local
     : jump_(std::move(jump)) {
   const auto& multipliers = jump_->multipliers();
   const auto& map = *multipliers.map();
+  const auto& overlap = *multipliers.overlapMap();
+  const auto& comm = *map.getComm();
   coarseMap_ = Teuchos::rcp(new Map(kModes * std::size_t(numSubdomains), 0, map.getComm(), Tpetra::LocallyReplicated));
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (const auto& piece : sendToOwners(multipliers, localPieces(multipliers, systems, jump_->firstSubdomain())))
-    for (int m = 0; m < kModes; ++m)
-      triplets.emplace_back(map.getLocalElement(piece.row), kModes * piece.subdomain + m, piece.values[m]);
+  const auto owners = ownersOf(multipliers);
+  const auto ownRow = [&](int row) { return map.getLocalElement(overlap.getGlobalElement(row)); };
+  const auto forEach = [&](auto&& visit) { forEachPiece(multipliers, systems, jump_->firstSubdomain(), visit); };
+
+  RowBuilder builder(localNumElements(map));
+  std::vector<std::vector<Piece>> outgoing(std::size_t(comm.getSize()));
+  forEach([&](int row, int subdomain, const Values& values) {
+    if (owners[std::size_t(row)] == comm.getRank()) builder.announce(ownRow(row));
+    else outgoing[std::size_t(owners[std::size_t(row)])].push_back({overlap.getGlobalElement(row), subdomain, values});
+  });
+  const auto received = exchangePieces(comm, outgoing);
+  for (const auto& piece : received) builder.announce(map.getLocalElement(piece.row));
   GT_.resize(Eigen::Index(localNumElements(map)), kModes * Eigen::Index(numSubdomains));
-  GT_.setFromTriplets(triplets.begin(), triplets.end());
+  builder.allocate(GT_);
+  forEach([&](int row, int subdomain, const Values& values) {
+    if (owners[std::size_t(row)] == comm.getRank()) builder.add(ownRow(row), subdomain, values);
+  });
+  for (const auto& piece : received) builder.add(map.getLocalElement(piece.row), piece.subdomain, piece.values);
 }
 
 Eigen::MatrixXd NaturalCoarseSpace::partOfG(const MultiVector& x) const {

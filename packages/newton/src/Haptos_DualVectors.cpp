@@ -29,6 +29,10 @@ Eigen::VectorXd DualVectors::contact(const Eigen::VectorXd& x) const {
   return values;
 }
 
+void DualVectors::setGluing(Eigen::VectorXd& x, const Eigen::VectorXd& values) const {
+  for (std::size_t i = 0; i < gluingRows_.size(); ++i) x[gluingRows_[i]] = values[Eigen::Index(i)];
+}
+
 void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const {
   for (Eigen::Index i = 0; i < numPairs(); ++i) {
     const PairLaw& pair = pairs_[std::size_t(i)];

@@ -22,6 +22,7 @@ class DualVectors {
 
   Eigen::VectorXd gluing(const Eigen::VectorXd& x) const;
   Eigen::VectorXd contact(const Eigen::VectorXd& x) const;
+  void setGluing(Eigen::VectorXd& x, const Eigen::VectorXd& values) const;
   void setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const;
 
   /// \brief y := Op x.  Collective.

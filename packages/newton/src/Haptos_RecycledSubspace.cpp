@@ -2,6 +2,7 @@
 #include "Haptos_RecycledSubspace.hpp"
 
 #include <cmath>
+#include <vector>
 
 namespace Haptos {
 
@@ -11,11 +12,19 @@ void RecycledSubspace::dropOldest() {
   const Eigen::Index kept = std::max<Eigen::Index>(1, 2 * maximum_ / 3 - 2), dropped = size_ - permanent_ - kept;
   if (dropped <= 0) return;
   ++compressions_;
+  const Eigen::MatrixXd V = V_.middleCols(permanent_ + dropped, kept);
+  std::vector<Eigen::VectorXd> jumps;
+  for (Eigen::Index j = 0; j < kept; ++j) jumps.push_back(combineS(Eigen::VectorXd::Unit(size_, permanent_ + dropped + j)));
   size_ = permanent_;  // columns before stay as they are, with their Q and R
-  for (Eigen::Index j = 0; j < kept; ++j) {
-    const Eigen::VectorXd v = V_.col(size_ + dropped), s = S_.col(size_ + dropped);
-    add(v, s);
-  }
+  for (Eigen::Index j = 0; j < kept; ++j) add(V.col(j), jumps[std::size_t(j)]);
+}
+
+Eigen::VectorXd RecycledSubspace::combineS(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd s = Eigen::VectorXd::Zero(vectors_.numRows());
+  const Eigen::VectorXd q = R().triangularView<Eigen::Upper>() * y;
+  vectors_.setGluing(s, Q_.leftCols(size_) * q);
+  vectors_.setContact(s, Sc_.leftCols(size_) * y);
+  return s;
 }
 
 void RecycledSubspace::grow() {
@@ -24,7 +33,6 @@ void RecycledSubspace::grow() {
   const Eigen::Index capacity = std::max(size_ + 1, std::min(most, std::max(kFirst, 2 * V_.cols())));
   const auto resize = [&](Eigen::MatrixXd& m, Eigen::Index rows) { m.conservativeResize(rows, capacity); };
   resize(V_, vectors_.numRows());
-  resize(S_, vectors_.numRows());
   resize(Q_, Eigen::Index(vectors_.gluingRows().size()));
   resize(R_, capacity);
   resize(Vc_, 3 * vectors_.numPairs());
@@ -51,7 +59,6 @@ void RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
   if (independent) Q_.col(m) = q / norm;
   else Q_.col(m).setZero();
   V_.col(m) = v;
-  S_.col(m) = s;
   Vc_.col(m) = vectors_.contact(v);
   Sc_.col(m) = vectors_.contact(s);
   largest_ = std::max(largest_, ++size_);
@@ -64,7 +71,7 @@ Eigen::VectorXd RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) c
 }
 
 double RecycledSubspace::memoryMb() const {
-  return double(V_.size() + S_.size() + Q_.size() + R_.size() + Vc_.size() + Sc_.size()) * sizeof(double) / (1 << 20);
+  return double(V_.size() + Q_.size() + R_.size() + Vc_.size() + Sc_.size()) * sizeof(double) / (1 << 20);
 }
 
 }  // namespace Haptos

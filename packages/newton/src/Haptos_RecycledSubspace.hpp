@@ -43,7 +43,7 @@ class RecycledSubspace {
   Eigen::VectorXd projectGluing(const Eigen::VectorXd& gluing) const;
 
   Eigen::VectorXd combineV(const Eigen::VectorXd& y) const { return V_.leftCols(size_) * y; }
-  Eigen::VectorXd combineS(const Eigen::VectorXd& y) const { return S_.leftCols(size_) * y; }
+  Eigen::VectorXd combineS(const Eigen::VectorXd& y) const;
 
   double memoryMb() const;                               ///< on this rank
   Eigen::Index largestSize() const { return largest_; }  ///< since construction
@@ -55,7 +55,7 @@ class RecycledSubspace {
   const DualVectors& vectors_;
   Eigen::Index maximum_, size_ = 0, permanent_ = 0, largest_ = 0;
   int compressions_ = 0;
-  Eigen::MatrixXd V_, S_, Q_, R_, Vc_, Sc_;
+  Eigen::MatrixXd V_, Q_, R_, Vc_, Sc_;  // S: Q R on gluing rows, Sc on contact rows
 };
 
 }  // namespace Haptos
