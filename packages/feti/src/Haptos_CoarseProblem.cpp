@@ -29,6 +29,14 @@ class Measured {
   CommunicationCounts before_ = communicationSoFar();
 };
 
+std::vector<int> subdomainsOf(const CoarseBlocks& blocks) {
+  std::vector<int> subdomains;
+  for (const auto& [key, block] : blocks.blocks())
+    if (CoarseBlocks::row(key) == CoarseBlocks::column(key)) subdomains.push_back(CoarseBlocks::row(key));
+  std::sort(subdomains.begin(), subdomains.end());
+  return subdomains;
+}
+
 }  // namespace
 
 CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
@@ -49,6 +57,8 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   CoarseBlocks pattern = fixed_;
   pattern.add(first);
   makePattern(pattern, fixed.rows.cols(), holds);
+  const std::vector<int> touched = subdomainsOf(first);
+  if (CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(touched.size()))) changing_ = touched;
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
@@ -81,10 +91,9 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    matrix_.set({&fixed_, &held_, &changing});
-    if (factor_) factor_->renew(matrix_.matrix());
-    else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
-    costs.factorEntries = std::max(costs.factorEntries, factor_->factorEntries());
+    if (changing_.empty()) factorWhole(changing);
+    else factorCondensed(changing);
+    costs.factorEntries = std::max(costs.factorEntries, changing_.empty() ? factor_->factorEntries() : condensed_->factorEntries());
   };
   if (placement_->isReplicated()) {
     work();  // fails on all ranks or on none
@@ -99,9 +108,25 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   broadcastAndThrow(placement_->comm(), error, 0);  // rank 0 is a holder, and all holders have the same matrix
 }
 
+void CoarseProblem::factorWhole(const CoarseBlocks& changing) {
+  matrix_.set({&fixed_, &held_, &changing});
+  if (factor_) factor_->renew(matrix_.matrix());
+  else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
+}
+
+void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
+  if (!condensed_) {
+    matrix_.set({&fixed_, &held_});
+    condensed_ = std::make_unique<CondensedFactor>(matrix_.matrix(), changing_);
+    matrix_ = {};
+  }
+  condensed_->renew(changing);
+}
+
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
   Eigen::MatrixXd x(rows, columns);
   if (factor_) factor_->solve(b, x);
+  if (condensed_) condensed_->solve(b, x);
   placement_->broadcast(x);
   solves_ += long(columns);
   placement_->costs().solves += long(columns);

@@ -7,6 +7,7 @@
 
 #include "Haptos_CoarseBlocks.hpp"
 #include "Haptos_CoarsePlacement.hpp"
+#include "Haptos_CondensedFactor.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -36,6 +37,9 @@ class CoarseProblem {
   CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds);
 
   /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
+  ///
+  /// Where changing rows touch few subdomains the others are eliminated once (CondensedFactor).
+  /// \throws std::runtime_error on all ranks if A is not positive definite.
   void renew(const Weighted& changing);
 
   /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.
@@ -57,12 +61,16 @@ class CoarseProblem {
   CoarseBlocks sumUp(const Weighted& part) const;
   void makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds);
   void factor(const CoarseBlocks& changing);
+  void factorWhole(const CoarseBlocks& changing);
+  void factorCondensed(const CoarseBlocks& changing);
 
   Placement placement_;
   CoarseBlocks fixed_, held_;  // on the holders
   CoarseMatrix fixedMatrix_;   // made where something may change
   CoarseMatrix matrix_;
-  std::unique_ptr<LocalSolverFactor> factor_;  // null where this rank holds none
+  std::vector<int> changing_;  // subdomains to condense to, none: not condensed
+  std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
+  std::unique_ptr<CondensedFactor> condensed_;
   mutable long solves_ = 0;
 };
 
