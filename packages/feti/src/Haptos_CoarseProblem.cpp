@@ -57,8 +57,11 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   CoarseBlocks pattern = fixed_;
   pattern.add(first);
   makePattern(pattern, fixed.rows.cols(), holds);
-  const std::vector<int> touched = subdomainsOf(first);
-  if (CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(touched.size()))) changing_ = touched;
+  changing_ = subdomainsOf(first);
+  Eigen::MatrixXd condenses(1, 1);
+  condenses(0, 0) = CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(changing_.size()));
+  placement_->broadcast(condenses);
+  condenses_ = condenses(0, 0) != 0;
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
@@ -91,9 +94,9 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    if (changing_.empty()) factorWhole(changing);
-    else factorCondensed(changing);
-    costs.factorEntries = std::max(costs.factorEntries, changing_.empty() ? factor_->factorEntries() : condensed_->factorEntries());
+    if (condenses_) factorCondensed(changing);
+    else factorWhole(changing);
+    costs.factorEntries = std::max(costs.factorEntries, condenses_ ? condensed_->factorEntries() : factor_->factorEntries());
   };
   if (placement_->isReplicated()) {
     work();  // fails on all ranks or on none
@@ -126,11 +129,15 @@ void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
   Eigen::MatrixXd x(rows, columns);
   if (factor_) factor_->solve(b, x);
-  if (condensed_) condensed_->solve(b, x);
+  if (condensed_) x = condensed_->solve(b);
   placement_->broadcast(x);
+  count(columns);
+  return x;
+}
+
+void CoarseProblem::count(Eigen::Index columns) const {
   solves_ += long(columns);
   placement_->costs().solves += long(columns);
-  return x;
 }
 
 Eigen::MatrixXd CoarseProblem::solve(const Eigen::MatrixXd& b) const {
@@ -143,6 +150,56 @@ Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen
   Eigen::MatrixXd b = placement_->sum(mine);
   if (placement_->holds() && shift.size() > 0) b -= shift;
   return solveOnHolders(b, mine.rows(), mine.cols());
+}
+
+CoarseProblem::Series::Series(const CoarseProblem& problem, Eigen::VectorXd mine) : problem_(problem), mine_(std::move(mine)) {}
+
+Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
+  if (problem_.condenses_) return nextCondensed(changing);
+  const bool isFirst = total_.size() == 0;
+  const Eigen::VectorXd a = problem_.solveSum(mine_ + changing, isFirst ? Eigen::MatrixXd() : problem_.multiplyFixed(total_));
+  if (isFirst) total_ = a;
+  else total_ += a;
+  return a;
+}
+
+// S + E has the right-hand side g_k - S x, with x what was found so far: where only the others act, nothing is left.
+Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& changing) {
+  const CoarsePlacement& placement = *problem_.placement_;
+  const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
+  const bool isFirst = first_.size() == 0;
+  if (isFirst) first_ = changing;
+  const Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(changing.size(), 1);
+  if (placement.holds()) {
+    const CondensedFactor& factor = *problem_.condensed_;
+    const Eigen::Index n = factor.schurSize(), others = changing.size() - n;
+    if (isFirst) {
+      eliminated_ = factor.eliminate(b);
+      schurTotal_ = Eigen::VectorXd::Zero(n);
+    }
+    Eigen::MatrixXd x = eliminated_.bottomRows(n) - factor.multiplySchur(schurTotal_);
+    for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(factor.order()[std::size_t(others + i)], 0);
+    factor.solveSchur(x);
+    schurTotal_ += x;
+    for (Eigen::Index i = 0; i < n; ++i) a(factor.order()[std::size_t(others + i)], 0) = x(i, 0);
+  }
+  placement.broadcast(a);
+  problem_.count(1);
+  return a;
+}
+
+Eigen::VectorXd CoarseProblem::Series::total() {
+  if (!problem_.condenses_) return total_;
+  const CoarsePlacement& placement = *problem_.placement_;
+  const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
+  Eigen::MatrixXd a(mine_.size(), 1);
+  if (placement.holds()) {
+    eliminated_.bottomRows(schurTotal_.size()) = schurTotal_;
+    a = problem_.condensed_->substituteBack(std::move(eliminated_));
+  }
+  placement.broadcast(a);
+  return a;
 }
 
 }  // namespace Haptos

@@ -4,7 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_BLAS.hpp>
 #include <algorithm>
-#include <numeric>
+#include <string>
 #include <stdexcept>
 
 #include "Haptos_DenseSymmetric.hpp"
@@ -13,10 +13,15 @@
 #include <cholmod.h>
 #endif
 
+// Not in Teuchos::BLAS.
+extern "C" void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
+                       double* x, const int* incx);
+
 namespace Haptos {
 namespace {
 
 constexpr int kModes = CoarseBlocks::kModes;
+const int kOne = 1;
 
 // Unknowns of a list of subdomains.
 std::vector<int> expanded(const std::vector<int>& subdomains) {
@@ -45,11 +50,7 @@ class CholmodFactor {
   CholmodFactor(const CholmodFactor&) = delete;
   CholmodFactor& operator=(const CholmodFactor&) = delete;
 
-  SupernodeView view() const {
-    const auto ints = [](const void* p) { return static_cast<const int*>(p); };
-    return {int(factor_->n),    int(factor_->nsuper), ints(factor_->super), ints(factor_->pi),
-            ints(factor_->px), ints(factor_->s),     ints(factor_->Perm),  static_cast<const double*>(factor_->x)};
-  }
+  const cholmod_factor& operator*() const { return *factor_; }
 
  private:
   std::vector<int> order(const Eigen::SparseMatrix<double>& A, const std::vector<int>& last);
@@ -116,92 +117,129 @@ bool CondensedFactor::pays(Eigen::Index unknowns, Eigen::Index changing) {
   return changing > 0 && (changing <= kAlways || (changing <= kLargest && 3 * changing <= unknowns));
 }
 
-void CondensedFactor::eliminate(Eigen::SparseMatrix<double> A, const std::vector<int>& changing) {
+void CondensedFactor::factorOthers(Eigen::SparseMatrix<double> A, const std::vector<int>& changing) {
   TEUCHOS_ASSERT(A.isCompressed());
   const double shift = A.diagonal().maxCoeff();  // the last columns of L are not used; they must exist
   for (int i : expanded(changing)) A.coeffRef(i, i) += shift;
   const CholmodFactor factor(A, changing);
-  const SupernodeView L = factor.view();
-  nodes_.perm.assign(L.perm, L.perm + L.n);
-  for (int k = 0; k < L.supernodes && L.super[k] < fixed_; ++k)  // of one that reaches into the last, the columns before
-    nodes_.append(std::min(L.super[k + 1], int(fixed_)) - L.super[k], L.s + L.pi[k], L.pi[k + 1] - L.pi[k], L.x + L.px[k]);
+  const auto ints = [](const void* p) { return static_cast<const int*>(p); };
+  const int *super = ints((*factor).super), *pi = ints((*factor).pi), *px = ints((*factor).px), *rows = ints((*factor).s);
+  const double* values = static_cast<const double*>((*factor).x);
+  perm_.assign(ints((*factor).Perm), ints((*factor).Perm) + size_);
+  for (int k = 0; super[k] < others_; ++k) {
+    const int columns = std::min(super[k + 1], int(others_)) - super[k], numRows = pi[k + 1] - pi[k];
+    nodes_.push_back({super[k], columns, numRows, rows_.size(), values_.size()});
+    rows_.insert(rows_.end(), rows + pi[k], rows + pi[k + 1]);
+    values_.insert(values_.end(), values + px[k], values + px[k] + std::size_t(columns) * std::size_t(numRows));
+    mostRows_ = std::max(mostRows_, numRows);
+  }
 }
 #else
 bool CondensedFactor::pays(Eigen::Index, Eigen::Index) { return false; }
 
-void CondensedFactor::eliminate(Eigen::SparseMatrix<double>, const std::vector<int>&) {
+void CondensedFactor::factorOthers(Eigen::SparseMatrix<double>, const std::vector<int>&) {
   throw std::logic_error("coarse matrices are condensed by CHOLMOD only");
 }
 #endif
 
 CondensedFactor::CondensedFactor(Eigen::SparseMatrix<double> A, const std::vector<int>& changing)
-    : size_(A.rows()), fixed_(size_ - kModes * Eigen::Index(changing.size())), place_(std::size_t(size_ / kModes), -1) {
-  TEUCHOS_ASSERT(!changing.empty() && fixed_ >= 0);
-  const Eigen::SparseMatrix<double> all = A;
-  if (fixed_ > 0) {
-    eliminate(std::move(A), changing);
-  } else {
-    nodes_.perm = expanded(changing);
-  }
-  const std::vector<int> last(nodes_.perm.begin() + fixed_, nodes_.perm.end());
-  for (std::size_t i = 0; i < last.size(); i += kModes) place_[std::size_t(last[i] / kModes)] = int(i);
-  formSchur(all);
-  std::vector<int> rows(last.size());
-  std::iota(rows.begin(), rows.end(), int(fixed_));
-  nodes_.append(int(rows.size()), rows.data(), int(rows.size()), schur_.data());
+    : size_(A.rows()), others_(size_ - kModes * Eigen::Index(changing.size())), place_(std::size_t(size_ / kModes), -1) {
+  TEUCHOS_ASSERT(!changing.empty() && others_ >= 0);
+  if (others_ > 0) factorOthers(A, changing);
+  else perm_ = expanded(changing);
+  for (Eigen::Index i = others_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - others_);
+  formSchur(A);
 }
 
-void CondensedFactor::Nodes::append(int columns, const int* rows, int numRows, const double* values) {
-  super.push_back(super.back() + columns);
-  pi.push_back(pi.back() + numRows);
-  px.push_back(int(x.size()));
-  s.insert(s.end(), rows, rows + numRows);
-  x.insert(x.end(), values, values + std::size_t(numRows) * std::size_t(columns));
-}
-
-// A_cc - A_cn A_nn^-1 A_nc = A_cc - L_cn L_cn^T
+// A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, c: the changing unknowns, o: the others
 void CondensedFactor::formSchur(const Eigen::SparseMatrix<double>& A) {
-  const Eigen::Index n = size_ - fixed_;
+  const Eigen::Index n = size_ - others_;
   schur_ = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(A, nodes_.perm[std::size_t(fixed_ + j)]); it; ++it) {
-      const int at = place_[std::size_t(it.row() / kModes)], i = at + int(it.row()) % kModes;
-      if (at >= 0 && i >= j) schur_(i, j) = it.value();
+    for (Eigen::SparseMatrix<double>::InnerIterator it(A, perm_[std::size_t(others_ + j)]); it; ++it) {
+      const int at = place_[std::size_t(it.row() / kModes)];
+      if (at >= 0) schur_(at + it.row() % kModes, j) = it.value();
     }
-  for (std::size_t k = 0; k < nodes_.px.size(); ++k) {
-    const int *end = nodes_.s.data() + nodes_.pi[k + 1], *begin = nodes_.s.data() + nodes_.pi[k];
-    const int *first = std::lower_bound(begin, end, int(fixed_)), m = int(end - first), rows = int(end - begin);
+  for (const Node& node : nodes_) {
+    const int *end = rows_.data() + node.rows + node.numRows, *begin = end - node.numRows;
+    const int *changing = std::lower_bound(begin, end, int(others_)), m = int(end - changing);
     if (m == 0) continue;
     Eigen::MatrixXd product(m, m);
-    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, nodes_.super[k + 1] - nodes_.super[k], 1.0,
-                                      nodes_.x.data() + nodes_.px[k] + (first - begin), rows, 0.0, product.data(), m);
+    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, node.columns, 1.0,
+                                      values_.data() + node.values + (changing - begin), node.numRows, 0.0, product.data(), m);
     for (int j = 0; j < m; ++j)
-      for (int i = j; i < m; ++i) schur_(first[i] - fixed_, first[j] - fixed_) -= product(i, j);
+      for (int i = j; i < m; ++i) schur_(changing[i] - others_, changing[j] - others_) -= product(i, j);
   }
 }
 
 void CondensedFactor::renew(const CoarseBlocks& E) {
-  Eigen::Map<Eigen::MatrixXd> S(nodes_.x.data() + nodes_.px.back(), schur_.rows(), schur_.cols());
-  S = schur_;
-  add(E, S);
-  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(S), std::runtime_error,
-                             "the coarse matrix of " << size_ << " unknowns is not positive definite in its " << S.rows()
-                                                     << " changing ones");
-  factor_ = SupernodalFactor<double>({int(size_), int(nodes_.px.size()), nodes_.super.data(), nodes_.pi.data(), nodes_.px.data(),
-                                      nodes_.s.data(), nodes_.perm.data(), nodes_.x.data()});
-}
-
-void CondensedFactor::add(const CoarseBlocks& E, Eigen::Ref<Eigen::MatrixXd> S) const {
+  factor_ = schur_;
   for (const auto& [key, block] : E.blocks()) {
     const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];
     TEUCHOS_ASSERT(row >= 0 && column >= 0);
     for (int a = 0; a < kModes; ++a)
       for (int b = 0; b < kModes; ++b) {
-        const double value = block[std::size_t(a * kModes + b)];
-        if (row > column || (row == column && a >= b)) S(row + a, column + b) += value;
-        if (row < column) S(column + b, row + a) += value;
+        double& entry = row >= column ? factor_(row + a, column + b) : factor_(column + b, row + a);
+        entry += block[std::size_t(a * kModes + b)];
       }
   }
+  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(factor_), std::runtime_error,
+                             "the coarse matrix of " << size_ << " unknowns is not positive definite in the " << factor_.rows()
+                                                     << " that change");
+}
+
+Eigen::MatrixXd CondensedFactor::eliminate(const Eigen::MatrixXd& B) const {
+  const Teuchos::BLAS<int, double> blas;
+  Eigen::MatrixXd Y(B.rows(), B.cols());
+  Eigen::VectorXd product(mostRows_);
+  for (Eigen::Index j = 0; j < B.cols(); ++j) {
+    double* y = Y.col(j).data();
+    for (Eigen::Index i = 0; i < size_; ++i) y[i] = B(perm_[std::size_t(i)], j);
+    for (const Node& node : nodes_) {
+      const double* L = values_.data() + node.values;
+      dtrsv_("L", "N", "N", &node.columns, L, &node.numRows, y + node.first, &kOne);
+      const int below = node.numRows - node.columns, *rows = rows_.data() + node.rows + node.columns;
+      if (below == 0) continue;
+      blas.GEMV(Teuchos::NO_TRANS, below, node.columns, 1.0, L + node.columns, node.numRows, y + node.first, 1, 0.0, product.data(), 1);
+      for (int i = 0; i < below; ++i) y[rows[i]] -= product[i];
+    }
+  }
+  return Y;
+}
+
+Eigen::MatrixXd CondensedFactor::substituteBack(Eigen::MatrixXd Y) const {
+  const Teuchos::BLAS<int, double> blas;
+  Eigen::MatrixXd X(Y.rows(), Y.cols());
+  Eigen::VectorXd known(mostRows_);
+  for (Eigen::Index j = 0; j < Y.cols(); ++j) {
+    double* y = Y.col(j).data();
+    for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+      const double* L = values_.data() + node->values;
+      const int below = node->numRows - node->columns, *rows = rows_.data() + node->rows + node->columns;
+      for (int i = 0; i < below; ++i) known[i] = y[rows[i]];
+      if (below > 0)
+        blas.GEMV(Teuchos::TRANS, below, node->columns, -1.0, L + node->columns, node->numRows, known.data(), 1, 1.0, y + node->first, 1);
+      dtrsv_("L", "T", "N", &node->columns, L, &node->numRows, y + node->first, &kOne);
+    }
+    for (Eigen::Index i = 0; i < size_; ++i) X(perm_[std::size_t(i)], j) = y[i];
+  }
+  return X;
+}
+
+void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
+  const int n = int(factor_.rows());
+  for (Eigen::Index j = 0; j < last.cols(); ++j)
+    for (const char* side : {"N", "T"}) dtrsv_("L", side, "N", &n, factor_.data(), &n, last.col(j).data(), &kOne);
+}
+
+Eigen::MatrixXd CondensedFactor::multiplySchur(const Eigen::MatrixXd& X) const {
+  return schur_.selfadjointView<Eigen::Lower>() * X;
+}
+
+Eigen::MatrixXd CondensedFactor::solve(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd Y = eliminate(B);
+  solveSchur(Y.bottomRows(factor_.rows()));
+  return substituteBack(std::move(Y));
 }
 
 }  // namespace Haptos

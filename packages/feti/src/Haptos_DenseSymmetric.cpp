@@ -22,7 +22,7 @@ namespace {
 
 const int kOne = 1;
 
-int leading(const Eigen::Ref<const Eigen::MatrixXd>& A) { return std::max(1, int(A.outerStride())); }
+int leading(const Eigen::MatrixXd& A) { return std::max(1, int(A.outerStride())); }
 
 template <class Scalar>
 std::vector<Scalar> pack(const Eigen::MatrixXd& lower, double factor) {
@@ -47,7 +47,7 @@ std::vector<Scalar> unfold(const Eigen::MatrixXd& lower, double factor) {
 
 namespace Lapack {
 
-bool choleskyInPlace(Eigen::Ref<Eigen::MatrixXd> A) {
+bool choleskyInPlace(Eigen::MatrixXd& A) {
   if (A.rows() == 0) return true;
   int info = 0;
   Teuchos::LAPACK<int, double>().POTRF('L', int(A.rows()), A.data(), leading(A), &info);

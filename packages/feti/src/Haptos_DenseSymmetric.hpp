@@ -10,7 +10,7 @@ namespace Haptos {
 namespace Lapack {
 
 /// \brief A := L with A = L L^T.  \return whether A is positive definite
-bool choleskyInPlace(Eigen::Ref<Eigen::MatrixXd> A);
+bool choleskyInPlace(Eigen::MatrixXd& A);
 /// \brief L := (L L^T)^-1.
 void invertFromCholesky(Eigen::MatrixXd& L);
 /// \brief B := L^-1 B.
