@@ -135,16 +135,18 @@ double CoarseBlocks::largestDiagonal() const {
   return largest;
 }
 
-CoarseMatrix::CoarseMatrix(const CoarseBlocks& pattern, Eigen::Index size)
+CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eigen::Index size)
     : rowsOfColumn_(std::size_t(size / kModes)), matrix_(size, size) {
-  for (const auto& [key, block] : pattern.blocks()) {
-    const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
-    rowsOfColumn_[std::size_t(t)].push_back(s);
-    if (s != t) rowsOfColumn_[std::size_t(s)].push_back(t);
-  }
+  for (const CoarseBlocks* pattern : patterns)
+    for (const auto& [key, block] : pattern->blocks()) {
+      const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
+      rowsOfColumn_[std::size_t(t)].push_back(s);
+      if (s != t) rowsOfColumn_[std::size_t(s)].push_back(t);
+    }
   std::size_t entries = 0;
   for (auto& rows : rowsOfColumn_) {
     std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
     entries += rows.size() * kModes * kModes;
   }
   matrix_.resizeNonZeros(Eigen::Index(entries));

@@ -43,7 +43,8 @@ CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std
     : placement_(std::move(placement)) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = sumUp({C, q});
-  makePattern(fixed_, C.cols(), holds);
+  addHolds(fixed_, holds);
+  matrix_ = CoarseMatrix({&fixed_, &held_}, C.cols());
   factor({});
 }
 
@@ -51,30 +52,28 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
     : placement_(std::move(placement)) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = sumUp(fixed);
-  fixedMatrix_ = CoarseMatrix(fixed_, fixed.rows.cols());
+  fixedMatrix_ = CoarseMatrix({&fixed_}, fixed.rows.cols());
   fixedMatrix_.set({&fixed_});
   const CoarseBlocks first = sumUp(changing);
   CoarseBlocks pattern = fixed_;
   pattern.add(first);
-  makePattern(pattern, fixed.rows.cols(), holds);
+  addHolds(pattern, holds);
   changing_ = subdomainsOf(first);
   Eigen::MatrixXd condenses(1, 1);
   condenses(0, 0) = CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
+  if (!condenses_) matrix_ = CoarseMatrix({&pattern, &held_}, fixed.rows.cols());
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
 }
 
-void CoarseProblem::makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds) {
+void CoarseProblem::addHolds(const CoarseBlocks& pattern, const Holds& holds) {
   CoarseCosts& costs = placement_->costs();
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
-  const CoarseBlocks vectors(holds);
-  held_.add(vectors, pattern.largestDiagonal());
-  pattern.add(vectors);
-  matrix_ = CoarseMatrix(pattern, size);
+  held_.add(CoarseBlocks(holds), pattern.largestDiagonal());
 }
 
 CoarseProblem::CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
@@ -119,9 +118,8 @@ void CoarseProblem::factorWhole(const CoarseBlocks& changing) {
 
 void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
   if (!condensed_) {
-    matrix_.set({&fixed_, &held_});
-    condensed_ = std::make_unique<CondensedFactor>(matrix_.matrix(), changing_);
-    matrix_ = {};
+    const CondensedFactor::Parts stays{&fixed_, &held_};
+    condensed_ = std::make_unique<CondensedFactor>(fixedMatrix_.matrix().rows(), stays, changing_);
   }
   condensed_->renew(changing);
 }

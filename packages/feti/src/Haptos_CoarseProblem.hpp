@@ -84,7 +84,7 @@ class CoarseProblem {
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
   void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
-  void makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds);
+  void addHolds(const CoarseBlocks& pattern, const Holds& holds);
   void factor(const CoarseBlocks& changing);
   void factorWhole(const CoarseBlocks& changing);
   void factorCondensed(const CoarseBlocks& changing);

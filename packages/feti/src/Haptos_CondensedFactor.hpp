@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <vector>
 
 #include "Haptos_CoarseBlocks.hpp"
@@ -19,10 +18,12 @@ class CondensedFactor {
   /// \param unknowns of A, \param changing unknowns that E may touch.
   static bool pays(Eigen::Index unknowns, Eigen::Index changing);
 
-  /// \param A [l x l] in 6 x 6 blocks, both triangles stored; semidefinite suffices, as `renew` adds to it.
+  using Parts = std::vector<const CoarseBlocks*>;
+
+  /// \param unknowns l; \param A the sum of these; semidefinite suffices, as `renew` adds to it.
   /// \param changing subdomains that E may touch, at least one, each once.
   /// \throws std::runtime_error if A is not positive definite in the other unknowns.
-  CondensedFactor(Eigen::SparseMatrix<double> A, const std::vector<int>& changing);
+  CondensedFactor(Eigen::Index unknowns, const Parts& A, const std::vector<int>& changing);
 
   /// \brief Factors S + E; must be called before the first solve.
   /// \throws std::runtime_error if it is not positive definite.
@@ -53,8 +54,9 @@ class CondensedFactor {
     int first, columns, numRows;
     std::size_t rows, values;  // where they begin
   };
-  void factorOthers(Eigen::SparseMatrix<double> A, const std::vector<int>& changing);
-  void formSchur(const Eigen::SparseMatrix<double>& A);
+  void factorOthers(const Parts& A, const std::vector<int>& changing);
+  void formSchur(const Parts& A);
+  void addChanging(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const;
 
   Eigen::Index size_, others_;  // unknowns, of which this many never change
   std::vector<int> place_;      // [subdomains] first row in the Schur complement, -1: none
