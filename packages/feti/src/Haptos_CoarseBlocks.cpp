@@ -17,26 +17,25 @@ using BlockMap = CoarseBlocks::Map;
 
 std::uint64_t blockKey(int row, int column) { return (std::uint64_t(row) << 32) | std::uint64_t(column); }
 
-// Finds blocks in a map; rows that follow each other mostly touch the same ones.
+// Finds blocks in a map; rows near each other mostly touch the same ones, several hundred where subdomains are small.
 class RecentBlocks {
  public:
-  explicit RecentBlocks(BlockMap& blocks) : blocks_(blocks) {}
-  Block& at(std::uint64_t key) {
-    for (const auto& entry : recent_)
-      if (entry.block && entry.key == key) return *entry.block;
-    Block& block = blocks_.try_emplace(key, Block{}).first->second;
-    recent_[next_++ % recent_.size()] = {key, &block};
-    return block;
+  explicit RecentBlocks(BlockMap& blocks) : blocks_(blocks), recent_(kEntries) {}
+  Block& at(int row, int column) {
+    const std::uint64_t key = blockKey(row, column);
+    Entry& entry = recent_[std::size_t(31 * row + column) % kEntries];
+    if (entry.block == nullptr || entry.key != key) entry = {key, &blocks_.try_emplace(key, Block{}).first->second};
+    return *entry.block;
   }
 
  private:
+  static constexpr std::size_t kEntries = 1024;
   struct Entry {
     std::uint64_t key = 0;
     Block* block = nullptr;  // a map keeps its elements where they are
   };
   BlockMap& blocks_;
-  std::array<Entry, 8> recent_;
-  std::size_t next_ = 0;
+  std::vector<Entry> recent_;
 };
 
 Bytes packBlocks(const BlockMap& blocks) {
@@ -86,7 +85,7 @@ CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
         const int t = column[j] / kModes;
         int jEnd = j;
         while (jEnd < end && column[jEnd] / kModes == t) ++jEnd;
-        Block& block = recent.at(blockKey(s, t));
+        Block& block = recent.at(s, t);
         for (int a = i; a < iEnd; ++a) {
           double* blockRow = block.data() + (column[a] - kModes * s) * kModes - kModes * t;
           for (int b = j; b < jEnd; ++b) blockRow[column[b]] += weight * value[a] * value[b];
@@ -136,16 +135,18 @@ double CoarseBlocks::largestDiagonal() const {
   return largest;
 }
 
-CoarseMatrix::CoarseMatrix(const CoarseBlocks& pattern, Eigen::Index size)
+CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eigen::Index size)
     : rowsOfColumn_(std::size_t(size / kModes)), matrix_(size, size) {
-  for (const auto& [key, block] : pattern.blocks()) {
-    const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
-    rowsOfColumn_[std::size_t(t)].push_back(s);
-    if (s != t) rowsOfColumn_[std::size_t(s)].push_back(t);
-  }
+  for (const CoarseBlocks* pattern : patterns)
+    for (const auto& [key, block] : pattern->blocks()) {
+      const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
+      rowsOfColumn_[std::size_t(t)].push_back(s);
+      if (s != t) rowsOfColumn_[std::size_t(s)].push_back(t);
+    }
   std::size_t entries = 0;
   for (auto& rows : rowsOfColumn_) {
     std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
     entries += rows.size() * kModes * kModes;
   }
   matrix_.resizeNonZeros(Eigen::Index(entries));

@@ -47,8 +47,8 @@ class CoarseBlocks {
 class CoarseMatrix {
  public:
   CoarseMatrix() = default;
-  /// \brief Of `size` unknowns, with zeros where `pattern` has blocks.
-  CoarseMatrix(const CoarseBlocks& pattern, Eigen::Index size);
+  /// \brief Of `size` unknowns, with zeros where one of the patterns has blocks.
+  CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eigen::Index size);
 
   /// \brief Values := sum of the parts, whose blocks lie within the pattern.
   void set(const std::vector<const CoarseBlocks*>& parts);

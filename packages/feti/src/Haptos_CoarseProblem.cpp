@@ -29,13 +29,22 @@ class Measured {
   CommunicationCounts before_ = communicationSoFar();
 };
 
+std::vector<int> subdomainsOf(const CoarseBlocks& blocks) {
+  std::vector<int> subdomains;
+  for (const auto& [key, block] : blocks.blocks())
+    if (CoarseBlocks::row(key) == CoarseBlocks::column(key)) subdomains.push_back(CoarseBlocks::row(key));
+  std::sort(subdomains.begin(), subdomains.end());
+  return subdomains;
+}
+
 }  // namespace
 
 CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
     : placement_(std::move(placement)) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = sumUp({C, q});
-  makePattern(fixed_, C.cols(), holds);
+  addHolds(fixed_, holds);
+  matrix_ = CoarseMatrix({&fixed_, &held_}, C.cols());
   factor({});
 }
 
@@ -43,25 +52,28 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
     : placement_(std::move(placement)) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = sumUp(fixed);
-  fixedMatrix_ = CoarseMatrix(fixed_, fixed.rows.cols());
+  fixedMatrix_ = CoarseMatrix({&fixed_}, fixed.rows.cols());
   fixedMatrix_.set({&fixed_});
   const CoarseBlocks first = sumUp(changing);
   CoarseBlocks pattern = fixed_;
   pattern.add(first);
-  makePattern(pattern, fixed.rows.cols(), holds);
+  addHolds(pattern, holds);
+  changing_ = subdomainsOf(first);
+  Eigen::MatrixXd condenses(1, 1);
+  condenses(0, 0) = CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(changing_.size()));
+  placement_->broadcast(condenses);
+  condenses_ = condenses(0, 0) != 0;
+  if (!condenses_) matrix_ = CoarseMatrix({&pattern, &held_}, fixed.rows.cols());
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
 }
 
-void CoarseProblem::makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds) {
+void CoarseProblem::addHolds(const CoarseBlocks& pattern, const Holds& holds) {
   CoarseCosts& costs = placement_->costs();
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
-  const CoarseBlocks vectors(holds);
-  held_.add(vectors, pattern.largestDiagonal());
-  pattern.add(vectors);
-  matrix_ = CoarseMatrix(pattern, size);
+  held_.add(CoarseBlocks(holds), pattern.largestDiagonal());
 }
 
 CoarseProblem::CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
@@ -81,10 +93,9 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    matrix_.set({&fixed_, &held_, &changing});
-    if (factor_) factor_->renew(matrix_.matrix());
-    else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
-    costs.factorEntries = std::max(costs.factorEntries, factor_->factorEntries());
+    if (condenses_) factorCondensed(changing);
+    else factorWhole(changing);
+    costs.factorEntries = std::max(costs.factorEntries, condenses_ ? condensed_->factorEntries() : factor_->factorEntries());
   };
   if (placement_->isReplicated()) {
     work();  // fails on all ranks or on none
@@ -99,13 +110,32 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   broadcastAndThrow(placement_->comm(), error, 0);  // rank 0 is a holder, and all holders have the same matrix
 }
 
+void CoarseProblem::factorWhole(const CoarseBlocks& changing) {
+  matrix_.set({&fixed_, &held_, &changing});
+  if (factor_) factor_->renew(matrix_.matrix());
+  else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
+}
+
+void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
+  if (!condensed_) {
+    const CondensedFactor::Parts stays{&fixed_, &held_};
+    condensed_ = std::make_unique<CondensedFactor>(fixedMatrix_.matrix().rows(), stays, changing_);
+  }
+  condensed_->renew(changing);
+}
+
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
   Eigen::MatrixXd x(rows, columns);
   if (factor_) factor_->solve(b, x);
+  if (condensed_) x = condensed_->solve(b);
   placement_->broadcast(x);
+  count(columns);
+  return x;
+}
+
+void CoarseProblem::count(Eigen::Index columns) const {
   solves_ += long(columns);
   placement_->costs().solves += long(columns);
-  return x;
 }
 
 Eigen::MatrixXd CoarseProblem::solve(const Eigen::MatrixXd& b) const {
@@ -118,6 +148,56 @@ Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen
   Eigen::MatrixXd b = placement_->sum(mine);
   if (placement_->holds() && shift.size() > 0) b -= shift;
   return solveOnHolders(b, mine.rows(), mine.cols());
+}
+
+CoarseProblem::Series::Series(const CoarseProblem& problem, Eigen::VectorXd mine) : problem_(problem), mine_(std::move(mine)) {}
+
+Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
+  if (problem_.condenses_) return nextCondensed(changing);
+  const bool isFirst = total_.size() == 0;
+  const Eigen::VectorXd a = problem_.solveSum(mine_ + changing, isFirst ? Eigen::MatrixXd() : problem_.multiplyFixed(total_));
+  if (isFirst) total_ = a;
+  else total_ += a;
+  return a;
+}
+
+// S + E has the right-hand side g_k - S x, with x what was found so far: where only the others act, nothing is left.
+Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& changing) {
+  const CoarsePlacement& placement = *problem_.placement_;
+  const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
+  const bool isFirst = first_.size() == 0;
+  if (isFirst) first_ = changing;
+  const Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(changing.size(), 1);
+  if (placement.holds()) {
+    const CondensedFactor& factor = *problem_.condensed_;
+    const Eigen::Index n = factor.schurSize(), others = changing.size() - n;
+    if (isFirst) {
+      eliminated_ = factor.eliminate(b);
+      schurTotal_ = Eigen::VectorXd::Zero(n);
+    }
+    Eigen::MatrixXd x = eliminated_.bottomRows(n) - factor.multiplySchur(schurTotal_);
+    for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(factor.order()[std::size_t(others + i)], 0);
+    factor.solveSchur(x);
+    schurTotal_ += x;
+    for (Eigen::Index i = 0; i < n; ++i) a(factor.order()[std::size_t(others + i)], 0) = x(i, 0);
+  }
+  placement.broadcast(a);
+  problem_.count(1);
+  return a;
+}
+
+Eigen::VectorXd CoarseProblem::Series::total() {
+  if (!problem_.condenses_) return total_;
+  const CoarsePlacement& placement = *problem_.placement_;
+  const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
+  Eigen::MatrixXd a(mine_.size(), 1);
+  if (placement.holds()) {
+    eliminated_.bottomRows(schurTotal_.size()) = schurTotal_;
+    a = problem_.condensed_->substituteBack(std::move(eliminated_));
+  }
+  placement.broadcast(a);
+  return a;
 }
 
 }  // namespace Haptos

@@ -7,6 +7,7 @@
 
 #include "Haptos_CoarseBlocks.hpp"
 #include "Haptos_CoarsePlacement.hpp"
+#include "Haptos_CondensedFactor.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -36,6 +37,9 @@ class CoarseProblem {
   CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds);
 
   /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
+  ///
+  /// Where changing rows touch few subdomains the others are eliminated once (CondensedFactor).
+  /// \throws std::runtime_error on all ranks if A is not positive definite.
   void renew(const Weighted& changing);
 
   /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.
@@ -49,20 +53,50 @@ class CoarseProblem {
   /// \param mine [l x k] of this rank, \param shift the same on all ranks; empty: 0
   Eigen::MatrixXd solveSum(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& shift = {}) const;
 
+  /// \brief Solutions a_k of A a_k = b_k - C^T diag(q) C of the fixed rows (a_1 + ... + a_k-1), b_k given one after the other.
+  ///
+  /// All b_k are the first one up to what changing rows add: a condensed factor needs the other unknowns for the first
+  /// only, which saves most of the following solves.  In those it counts the holds, which are weak, as fixed.
+  class Series {
+   public:
+    /// \param problem is kept by reference, and must not be renewed.
+    /// \param mine [l] this rank's part of b_k that stays the same
+    Series(const CoarseProblem& problem, Eigen::VectorXd mine);
+    /// \brief a_k [l], right where changing rows may touch.  \param changing [l] this rank's other part of b_k.  Collective.
+    Eigen::VectorXd next(const Eigen::VectorXd& changing);
+    /// \brief The sum of the a_k [l], right everywhere; after it `next` must not be called.  Collective.
+    Eigen::VectorXd total();
+
+   private:
+    Eigen::VectorXd nextCondensed(const Eigen::VectorXd& changing);
+
+    const CoarseProblem& problem_;
+    Eigen::VectorXd mine_, first_;  // b_k that stays; the first b_k's other part
+    Eigen::VectorXd total_;         // where nothing is condensed
+    Eigen::MatrixXd eliminated_;    // of the first b_k
+    Eigen::VectorXd schurTotal_;    // in the changing unknowns
+  };
+
   long solves() const { return solves_; }
   const Placement& placement() const { return placement_; }  ///< for further matrices on the same ranks
 
  private:
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
+  void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
-  void makePattern(CoarseBlocks pattern, Eigen::Index size, const Holds& holds);
+  void addHolds(const CoarseBlocks& pattern, const Holds& holds);
   void factor(const CoarseBlocks& changing);
+  void factorWhole(const CoarseBlocks& changing);
+  void factorCondensed(const CoarseBlocks& changing);
 
   Placement placement_;
   CoarseBlocks fixed_, held_;  // on the holders
   CoarseMatrix fixedMatrix_;   // made where something may change
   CoarseMatrix matrix_;
-  std::unique_ptr<LocalSolverFactor> factor_;  // null where this rank holds none
+  bool condenses_ = false;     // on all ranks
+  std::vector<int> changing_;  // subdomains to condense to, on the holders
+  std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
+  std::unique_ptr<CondensedFactor> condensed_;
   mutable long solves_ = 0;
 };
 

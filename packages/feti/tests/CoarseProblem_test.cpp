@@ -5,6 +5,8 @@
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
 
+#include <Eigen/Dense>
+
 #include "FetiScene.hpp"
 
 namespace {
@@ -52,6 +54,45 @@ Dense gathered(const CoarseRows& C, const Dense& b, const std::vector<double>& q
 Dense partOf(const Dense& b, const Communicator& comm) {
   const double ranks = comm.getSize(), mine = comm.getRank() + 1;
   return b * (2 * mine / (ranks * (ranks + 1)));
+}
+
+// A chain of subdomains; rows over the first few links change, each of them is a row of another rank.
+struct Chain {
+  static constexpr int kSubdomains = 40;
+  RCP<const Communicator> comm = Tpetra::getDefaultComm();
+  CoarseRows fixed{12 * kSubdomains, 6 * kSubdomains}, changing = fixed;
+  std::vector<double> q;
+
+  explicit Chain(int touched) {
+    std::vector<Eigen::Triplet<double>> stays, changes;
+    for (int row = comm->getRank(); row < fixed.rows(); row += comm->getSize()) {
+      const int s = row / 12, first = std::max(0, 6 * (s - 1));
+      const bool isChanging = s < touched && row % 12 >= 6;
+      for (int j = first; j < 6 * (s + 1); ++j) (isChanging ? changes : stays).emplace_back(row, j, std::sin(1.7 * (row + 1) * (j + 1)) + (j == 6 * s + row % 6 ? 4 : 0));
+    }
+    fixed.setFromTriplets(stays.begin(), stays.end());
+    changing.setFromTriplets(changes.begin(), changes.end());
+    for (int row = 0; row < fixed.rows(); ++row) q.push_back(1.5 + std::sin(row));
+  }
+  CoarseProblem::Placement place(const CoarseOptions& options) const {
+    return std::make_shared<CoarsePlacement>(comm, fixed.cols(), options);
+  }
+};
+
+// C^T diag(q) C of all ranks' rows
+Dense denseGram(const CoarseRows& C, const std::vector<double>& q) { return gathered(C, Dense::Identity(C.cols(), C.cols()), q); }
+
+CoarseProblem::Holds twoHolds(Eigen::Index size) {
+  CoarseProblem::Holds holds(2, Eigen::SparseVector<double>(size));
+  for (int i = 0; i < 6; ++i) {
+    holds[0].insert(i) = 0.3 + i;            // a subdomain that changes
+    holds[1].insert(size - 6 + i) = 1 - 0.4 * i;  // and one that does not
+  }
+  return holds;
+}
+
+bool isSmall(const Dense& error, const Dense& wanted, double tolerance = 1e-11) {
+  return error.allFinite() && largest(error) <= tolerance * largest(wanted);
 }
 
 }  // namespace
@@ -114,6 +155,70 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
     Dense fixed = gathered(even, b, m.q), product = A.multiplyFixed(b);
     TEST_EQUALITY(product.size() > 0, placement->holds());
     if (product.size() > 0) TEST_ASSERT(largest(product - fixed) <= 1e-12 * largest(fixed));
+  }
+}
+
+// Condensed where few subdomains change, whole where all do.
+TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
+  TEST_EQUALITY(CondensedFactor::pays(6 * Chain::kSubdomains, 60), hasCholmod());
+  TEST_ASSERT(!CondensedFactor::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
+  for (int touched : {1, 10, Chain::kSubdomains}) {
+    const Chain chain(touched);
+    const Eigen::Index l = chain.fixed.cols();
+    const Dense b = someColumns(l, 2), F = denseGram(chain.fixed, chain.q), first = denseGram(chain.changing, chain.q);
+    for (const auto& holds : {CoarseProblem::Holds{}, twoHolds(l)}) {
+      Dense H = Dense::Zero(l, l);
+      for (const auto& w : holds) H += Dense(w) * Dense(w).transpose() * (F + first).diagonal().maxCoeff();
+      for (const Case& c : allCases(chain.comm->getSize())) {
+        out << touched << " change, " << holds.size() << " holds, " << c.name << "\n";
+        CoarseProblem A(chain.place(c.options), {chain.fixed, chain.q}, {chain.changing, chain.q}, holds);
+        for (double factor : {1.0, 20.0, 0.0, 0.1}) {
+          const CoarseRows changing = factor == 0 ? CoarseRows(chain.fixed.rows(), l) : CoarseRows(factor * chain.changing);
+          A.renew({changing, chain.q});
+          const Dense wanted = (F + H + factor * factor * first).llt().solve(b);
+          TEST_ASSERT(isSmall(A.solve(b) - wanted, wanted));
+          TEST_ASSERT(isSmall(A.solveSum(partOf(b, *chain.comm)) - wanted, wanted));
+        }
+      }
+    }
+  }
+}
+
+TEUCHOS_UNIT_TEST(CoarseProblem, SeriesSolvesForWhatIsLeft) {
+  for (int touched : {10, Chain::kSubdomains}) {
+    const Chain chain(touched);
+    const Eigen::Index l = chain.fixed.cols(), c = 6 * touched;
+    const Dense F = denseGram(chain.fixed, chain.q), A = F + denseGram(chain.changing, chain.q);
+    const Eigen::VectorXd stays = someColumns(l, 1);
+    for (const Case& place : allCases(chain.comm->getSize())) {
+      CoarseProblem problem(chain.place(place.options), {chain.fixed, chain.q}, {chain.changing, chain.q}, {});
+      problem.renew({chain.changing, chain.q});
+      CoarseProblem::Series series(problem, partOf(stays, *chain.comm));
+      Eigen::VectorXd total = Eigen::VectorXd::Zero(l);
+      for (int k = 0; k < 3; ++k) {
+        Eigen::VectorXd changes = Eigen::VectorXd::Zero(l);
+        changes.head(c) = someColumns(c, 3).col(k);
+        const Eigen::VectorXd wanted = A.llt().solve(stays + changes - F * total);
+        total += wanted;
+        const Eigen::VectorXd found = series.next(partOf(changes, *chain.comm));
+        TEST_ASSERT(isSmall((found - wanted).head(c), wanted));
+      }
+      TEST_ASSERT(isSmall(series.total() - total, total));
+      TEST_EQUALITY(problem.solves(), 3L);
+    }
+  }
+}
+
+TEUCHOS_UNIT_TEST(CoarseProblem, NotPositiveDefiniteRenewalIsToldOnAllRanks) {
+  const Chain chain(10);
+  const CoarseRows nothing(chain.fixed.rows(), chain.fixed.cols());
+  CoarseRows headless = chain.fixed;  // the first subdomain is left to the changing rows
+  headless.prune([](Eigen::Index, Eigen::Index column, double) { return column >= 6; });
+  for (const Case& c : allCases(chain.comm->getSize())) {
+    CoarseProblem others(chain.place(c.options), {nothing, chain.q}, {chain.changing, chain.q}, {});
+    TEST_THROW(others.renew({chain.changing, chain.q}), std::runtime_error);
+    CoarseProblem changing(chain.place(c.options), {headless, chain.q}, {chain.changing, chain.q}, {});
+    TEST_THROW(changing.renew({nothing, chain.q}), std::runtime_error);
   }
 }
 

@@ -113,13 +113,12 @@ void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
 }
 
 PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
-    : active_(active), gluingSum_(active.gluing_.gluingRows().transpose() * z), a_(Eigen::VectorXd::Zero(gluingSum_.size())) {}
+    : active_(active), gluingSum_(active.gluing_.gluingRows().transpose() * z), taken_(active.coarse_, gluingSum_) {}
 
 // Takes gluingSum + contactSum off by all active rows; returns what the contact values are to change by.
 Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
   const auto& weights = active_.contactWeights_;
-  const Eigen::VectorXd a = active_.coarse_.solveSum(gluingSum_ + contactSum, active_.coarse_.multiplyFixed(a_));
-  a_ += a;
+  const Eigen::VectorXd a = taken_.next(contactSum);
   return -Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).cwiseProduct(Eigen::VectorXd(active_.active_ * a));
 }
 
@@ -132,8 +131,9 @@ Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return sp
 void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
   const CoarseRows& gluingRows = active_.gluing_.gluingRows();
   const Eigen::VectorXd mine = gluingSum_ + active_.contactRows_.transpose() * contact;
-  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> ab(a_.size(), 2);
-  ab << a_, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a_));
+  const Eigen::VectorXd a = taken_.total();
+  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> ab(a.size(), 2);
+  ab << a, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a));
   const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> spreads = gluingRows * ab;
   z -= active_.weights_.cwiseProduct(spreads.col(0)) + spreads.col(1);
   active_.vectors_.setContact(z, contact);

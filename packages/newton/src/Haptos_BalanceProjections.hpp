@@ -98,8 +98,8 @@ class PrimalBalance {
   Eigen::VectorXd spread(const Eigen::VectorXd& contactSum);
 
   const ActiveCoarseProjection& active_;
-  Eigen::VectorXd gluingSum_;  // [l] this rank's G_E z_E at the start
-  Eigen::VectorXd a_;          // [l] taken off so far: D G_E^T a
+  Eigen::VectorXd gluingSum_;    // [l] this rank's G_E z_E at the start
+  CoarseProblem::Series taken_;  // a: D G_E^T a is taken off so far
 };
 
 }  // namespace Haptos

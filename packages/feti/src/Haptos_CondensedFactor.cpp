@@ -1,0 +1,318 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_CondensedFactor.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <Teuchos_BLAS.hpp>
+#include <algorithm>
+#include <string>
+#include <stdexcept>
+
+#include "Haptos_DenseSymmetric.hpp"
+
+#if defined(HAPTOS_HAVE_CHOLMOD)
+#include <cholmod.h>
+#endif
+
+// Not in Teuchos::BLAS.
+extern "C" void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
+                       double* x, const int* incx);
+
+namespace Haptos {
+namespace {
+
+constexpr int kModes = CoarseBlocks::kModes;
+const int kOne = 1;
+
+// Unknowns of a list of subdomains.
+std::vector<int> expanded(const std::vector<int>& subdomains) {
+  std::vector<int> unknowns;
+  unknowns.reserve(subdomains.size() * kModes);
+  for (int s : subdomains)
+    for (int a = 0; a < kModes; ++a) unknowns.push_back(kModes * s + a);
+  return unknowns;
+}
+
+}  // namespace
+
+#if defined(HAPTOS_HAVE_CHOLMOD)
+namespace {
+
+struct CholmodCommon : cholmod_common {
+  CholmodCommon() : cholmod_common() {
+    cholmod_start(this);
+    print = 0;  // failures are reported by exceptions
+  }
+  ~CholmodCommon() { cholmod_finish(this); }
+};
+
+struct CompressedColumns {
+  std::vector<int> starts{0}, rows;
+  std::vector<double> values;
+
+  cholmod_sparse view(int stype) {
+    cholmod_sparse a{};
+    a.nrow = a.ncol = starts.size() - 1;
+    a.nzmax = rows.size();
+    a.p = starts.data();
+    a.i = rows.data();
+    a.x = values.data();
+    a.stype = stype;
+    a.itype = CHOLMOD_INT;
+    a.xtype = values.empty() ? CHOLMOD_PATTERN : CHOLMOD_REAL;
+    a.dtype = CHOLMOD_DOUBLE;
+    a.sorted = a.packed = 1;
+    return a;
+  }
+};
+
+// Constrained minimum degree on the graph of the subdomains.
+std::vector<int> orderSubdomains(const CondensedFactor::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+  std::vector<std::uint64_t> keys;
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  CompressedColumns graph;  // rows of the lower triangle are columns of the upper one
+  for (std::size_t s = 0, k = 0; s < std::size_t(subdomains); ++s) {
+    for (; k < keys.size() && CoarseBlocks::row(keys[k]) == int(s); ++k) graph.rows.push_back(CoarseBlocks::column(keys[k]));
+    graph.starts.push_back(int(graph.rows.size()));
+  }
+  std::vector<int> isLast(std::size_t(subdomains), 0), order(isLast);
+  for (int s : last) isLast[std::size_t(s)] = 1;
+  auto view = graph.view(1);
+  const bool ordered = cholmod_camd(&view, nullptr, 0, isLast.data(), order.data(), &common);
+  TEUCHOS_TEST_FOR_EXCEPTION(!ordered, std::runtime_error, "CHOLMOD: ordering " << subdomains << " subdomains failed");
+  return order;
+}
+
+// The lower triangle of A(order, order), as CHOLMOD takes it without moving anything.
+class OrderedMatrix {
+ public:
+  OrderedMatrix(const CondensedFactor::Parts& A, const std::vector<int>& order);
+  void shiftDiagonal(int from);
+  cholmod_sparse view() { return columns_.view(-1); }
+
+ private:
+  void makePattern(const CondensedFactor::Parts& A);
+  void add(std::uint64_t key, const CoarseBlocks::Block& block);
+
+  std::vector<int> position_;                  // of a subdomain
+  std::vector<std::vector<int>> rowsOfColumn_;  // of blocks, ascending, from the diagonal on
+  CompressedColumns columns_;
+};
+
+OrderedMatrix::OrderedMatrix(const CondensedFactor::Parts& A, const std::vector<int>& order)
+    : position_(order.size()), rowsOfColumn_(order.size()) {
+  for (std::size_t i = 0; i < order.size(); ++i) position_[std::size_t(order[i])] = int(i);
+  makePattern(A);
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) add(key, block);
+}
+
+void OrderedMatrix::makePattern(const CondensedFactor::Parts& A) {
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) {
+      const auto [low, high] = std::minmax(position_[std::size_t(CoarseBlocks::row(key))], position_[std::size_t(CoarseBlocks::column(key))]);
+      rowsOfColumn_[std::size_t(low)].push_back(high);
+    }
+  for (std::size_t t = 0; t < rowsOfColumn_.size(); ++t) {
+    auto& rows = rowsOfColumn_[t];
+    rows.push_back(int(t));
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    for (int b = 0; b < kModes; ++b) {
+      for (int s : rows)
+        for (int a = s == int(t) ? b : 0; a < kModes; ++a) columns_.rows.push_back(kModes * s + a);
+      columns_.starts.push_back(int(columns_.rows.size()));
+    }
+  }
+  columns_.values.assign(columns_.rows.size(), 0.0);
+}
+
+void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
+  const int s = position_[std::size_t(CoarseBlocks::row(key))], t = position_[std::size_t(CoarseBlocks::column(key))];
+  const auto& rows = rowsOfColumn_[std::size_t(std::min(s, t))];
+  const auto at = std::lower_bound(rows.begin(), rows.end(), std::max(s, t)) - rows.begin();
+  for (int b = 0; b < kModes; ++b) {
+    double* to = columns_.values.data() + columns_.starts[std::size_t(kModes * std::min(s, t) + b)] + kModes * at - b;
+    for (int a = at == 0 ? b : 0; a < kModes; ++a) to[a] += block[std::size_t(s >= t ? a * kModes + b : b * kModes + a)];
+  }
+}
+
+// Adds the largest diagonal entry to those from this column on.
+void OrderedMatrix::shiftDiagonal(int from) {
+  double largest = 0;
+  for (std::size_t j = 0; j + 1 < columns_.starts.size(); ++j) largest = std::max(largest, columns_.values[std::size_t(columns_.starts[j])]);
+  for (std::size_t j = std::size_t(from); j + 1 < columns_.starts.size(); ++j) columns_.values[std::size_t(columns_.starts[j])] += largest;
+}
+
+// A supernodal factor A = L L^T in the order in which A is given.
+class CholmodFactor {
+ public:
+  CholmodFactor(cholmod_sparse A, CholmodCommon& common);
+  ~CholmodFactor() { cholmod_free_factor(&factor_, &common_); }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  const cholmod_factor& operator*() const { return *factor_; }
+
+ private:
+  CholmodCommon& common_;
+  cholmod_factor* factor_;
+};
+
+CholmodFactor::CholmodFactor(cholmod_sparse A, CholmodCommon& common) : common_(common) {
+  common.quick_return_if_not_posdef = 1;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_NATURAL;
+  common.postorder = 0;  // it might move others behind the last
+  factor_ = cholmod_analyze(&A, &common);
+  if (factor_ != nullptr) cholmod_factorize(&A, factor_, &common);
+  if (common.status == CHOLMOD_OK && factor_->minor == factor_->n) return;
+  cholmod_free_factor(&factor_, &common);  // no destructor runs after a constructor that throws
+  TEUCHOS_TEST_FOR_EXCEPTION(common.status == CHOLMOD_NOT_POSDEF, std::runtime_error,
+                             "CHOLMOD: the coarse matrix of " << A.nrow << " unknowns is not positive definite");
+  throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(common.status));
+}
+
+}  // namespace
+
+bool CondensedFactor::pays(Eigen::Index unknowns, Eigen::Index changing) {
+  constexpr Eigen::Index kAlways = 200, kLargest = 1500;  // dense work on few costs less than looking at a sparse pattern
+  return changing > 0 && (changing <= kAlways || (changing <= kLargest && 3 * changing <= unknowns));
+}
+
+void CondensedFactor::factorOthers(const Parts& A, const std::vector<int>& changing) {
+  CholmodCommon common;
+  const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, changing, common);
+  OrderedMatrix ordered(A, order);
+  ordered.shiftDiagonal(int(others_));  // the last columns of L are not used; they must exist
+  const CholmodFactor factor(ordered.view(), common);
+  const auto ints = [](const void* p) { return static_cast<const int*>(p); };
+  const int *super = ints((*factor).super), *pi = ints((*factor).pi), *px = ints((*factor).px), *rows = ints((*factor).s);
+  const double* values = static_cast<const double*>((*factor).x);
+  perm_ = expanded(order);
+  int nodes = 0;
+  std::size_t entries = 0;
+  for (; super[nodes] < others_; ++nodes) entries += std::size_t(super[nodes + 1] - super[nodes]) * std::size_t(pi[nodes + 1] - pi[nodes]);
+  values_.reserve(entries);  // no page is touched twice
+  for (int k = 0; k < nodes; ++k) {
+    const int columns = std::min(super[k + 1], int(others_)) - super[k], numRows = pi[k + 1] - pi[k];
+    nodes_.push_back({super[k], columns, numRows, rows_.size(), values_.size()});
+    rows_.insert(rows_.end(), rows + pi[k], rows + pi[k + 1]);
+    values_.insert(values_.end(), values + px[k], values + px[k] + std::size_t(columns) * std::size_t(numRows));
+    mostRows_ = std::max(mostRows_, numRows);
+  }
+}
+#else
+bool CondensedFactor::pays(Eigen::Index, Eigen::Index) { return false; }
+
+void CondensedFactor::factorOthers(const Parts&, const std::vector<int>&) {
+  throw std::logic_error("coarse matrices are condensed by CHOLMOD only");
+}
+#endif
+
+CondensedFactor::CondensedFactor(Eigen::Index unknowns, const Parts& A, const std::vector<int>& changing)
+    : size_(unknowns), others_(size_ - kModes * Eigen::Index(changing.size())), place_(std::size_t(size_ / kModes), -1) {
+  TEUCHOS_ASSERT(!changing.empty() && others_ >= 0);
+  if (others_ > 0) factorOthers(A, changing);
+  else perm_ = expanded(changing);
+  for (Eigen::Index i = others_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - others_);
+  formSchur(A);
+}
+
+// A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, c: the changing unknowns, o: the others
+void CondensedFactor::formSchur(const Parts& A) {
+  schur_ = Eigen::MatrixXd::Zero(size_ - others_, size_ - others_);
+  for (const CoarseBlocks* part : A) addChanging(*part, schur_);
+  for (const Node& node : nodes_) {
+    const int *end = rows_.data() + node.rows + node.numRows, *begin = end - node.numRows;
+    const int *changing = std::lower_bound(begin, end, int(others_)), m = int(end - changing);
+    if (m == 0) continue;
+    Eigen::MatrixXd product(m, m);
+    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, node.columns, 1.0,
+                                      values_.data() + node.values + (changing - begin), node.numRows, 0.0, product.data(), m);
+    for (int j = 0; j < m; ++j)
+      for (int i = j; i < m; ++i) schur_(changing[i] - others_, changing[j] - others_) -= product(i, j);
+  }
+}
+
+// The blocks that lie in the changing subdomains.
+void CondensedFactor::addChanging(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const {
+  for (const auto& [key, block] : blocks.blocks()) {
+    const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];
+    if (row < 0 || column < 0) continue;
+    for (int a = 0; a < kModes; ++a)
+      for (int b = 0; b < kModes; ++b) {
+        double& entry = row >= column ? lower(row + a, column + b) : lower(column + b, row + a);
+        entry += block[std::size_t(a * kModes + b)];
+      }
+  }
+}
+
+void CondensedFactor::renew(const CoarseBlocks& E) {
+  for (const auto& [key, block] : E.blocks())
+    TEUCHOS_ASSERT(place_[std::size_t(CoarseBlocks::row(key))] >= 0 && place_[std::size_t(CoarseBlocks::column(key))] >= 0);
+  factor_ = schur_;
+  addChanging(E, factor_);
+  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(factor_), std::runtime_error,
+                             "the coarse matrix of " << size_ << " unknowns is not positive definite in the " << factor_.rows()
+                                                     << " that change");
+}
+
+Eigen::MatrixXd CondensedFactor::eliminate(const Eigen::MatrixXd& B) const {
+  const Teuchos::BLAS<int, double> blas;
+  Eigen::MatrixXd Y(B.rows(), B.cols());
+  Eigen::VectorXd product(mostRows_);
+  for (Eigen::Index j = 0; j < B.cols(); ++j) {
+    double* y = Y.col(j).data();
+    for (Eigen::Index i = 0; i < size_; ++i) y[i] = B(perm_[std::size_t(i)], j);
+    for (const Node& node : nodes_) {
+      const double* L = values_.data() + node.values;
+      dtrsv_("L", "N", "N", &node.columns, L, &node.numRows, y + node.first, &kOne);
+      const int below = node.numRows - node.columns, *rows = rows_.data() + node.rows + node.columns;
+      if (below == 0) continue;
+      blas.GEMV(Teuchos::NO_TRANS, below, node.columns, 1.0, L + node.columns, node.numRows, y + node.first, 1, 0.0, product.data(), 1);
+      for (int i = 0; i < below; ++i) y[rows[i]] -= product[i];
+    }
+  }
+  return Y;
+}
+
+Eigen::MatrixXd CondensedFactor::substituteBack(Eigen::MatrixXd Y) const {
+  const Teuchos::BLAS<int, double> blas;
+  Eigen::MatrixXd X(Y.rows(), Y.cols());
+  Eigen::VectorXd known(mostRows_);
+  for (Eigen::Index j = 0; j < Y.cols(); ++j) {
+    double* y = Y.col(j).data();
+    for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
+      const double* L = values_.data() + node->values;
+      const int below = node->numRows - node->columns, *rows = rows_.data() + node->rows + node->columns;
+      for (int i = 0; i < below; ++i) known[i] = y[rows[i]];
+      if (below > 0)
+        blas.GEMV(Teuchos::TRANS, below, node->columns, -1.0, L + node->columns, node->numRows, known.data(), 1, 1.0, y + node->first, 1);
+      dtrsv_("L", "T", "N", &node->columns, L, &node->numRows, y + node->first, &kOne);
+    }
+    for (Eigen::Index i = 0; i < size_; ++i) X(perm_[std::size_t(i)], j) = y[i];
+  }
+  return X;
+}
+
+void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
+  const int n = int(factor_.rows());
+  for (Eigen::Index j = 0; j < last.cols(); ++j)
+    for (const char* side : {"N", "T"}) dtrsv_("L", side, "N", &n, factor_.data(), &n, last.col(j).data(), &kOne);
+}
+
+Eigen::MatrixXd CondensedFactor::multiplySchur(const Eigen::MatrixXd& X) const {
+  return schur_.selfadjointView<Eigen::Lower>() * X;
+}
+
+Eigen::MatrixXd CondensedFactor::solve(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd Y = eliminate(B);
+  solveSchur(Y.bottomRows(factor_.rows()));
+  return substituteBack(std::move(Y));
+}
+
+}  // namespace Haptos
