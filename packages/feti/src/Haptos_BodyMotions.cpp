@@ -54,7 +54,7 @@ BodyMotions::BodyMotions(const Communicator& comm, const std::vector<Subdomain>&
       const auto& x = sub.coordinates[node];
       Eigen::Matrix<double, 3, 6> motion = rigidMotion(Eigen::Vector3d(x[0], x[1], x[2]), centre_[sub.body]);
       motion.rightCols<3>() /= size_[sub.body];
-      block.noalias() += systems[int(i)].R.middleRows(3 * node, 3).transpose() * motion;
+      block.noalias() += systems[int(i)].R().middleRows(3 * node, 3).transpose() * motion;
     }
   }
   sumOverRanks(comm, blocks);
@@ -89,10 +89,12 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
   return findUnheldMotions(comm, GT, bodies.Z());
 }
 
-UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z) {
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z,
+                                const Eigen::VectorXd& weights) {
   if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  const Eigen::SparseMatrix<double> rows = GT * Z;
+  Eigen::SparseMatrix<double> rows = GT * Z;
+  if (weights.size() > 0) rows = (weights.asDiagonal() * rows).eval();
   Eigen::MatrixXd A = Eigen::MatrixXd(Eigen::SparseMatrix<double>(rows.transpose() * rows));
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);

@@ -46,11 +46,12 @@ struct UnheldMotions {
   std::vector<int> pivots;  ///< [k] 6 body + motion
 };
 
-/// \param rows G^T on this rank's rows, or some of them (the others empty).  Collective.
+/// \param rows G^T on this rank's rows.  Collective.
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const BodyMotions& bodies);
 
-/// \brief The same for any motions Z [l x motions].
-UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const Eigen::SparseMatrix<double>& Z);
+/// \brief The same for any motions Z [l x motions].  \param weights [rows] 0 for those that hold nothing; empty: 1
+UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const Eigen::SparseMatrix<double>& Z,
+                                const Eigen::VectorXd& weights = {});
 
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
 ///

@@ -46,6 +46,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
     indices_ = {};
     values_ = {};
     if (isSuper_) cholmod_free_factor(&factor_, &common_);  // the analysis, of no more use
+    cholmod_free_work(&common_);
   }
 
  private:

@@ -74,6 +74,7 @@ CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
   RecentBlocks recent(blocks_);
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     const double weight = q.empty() ? 1.0 : q[std::size_t(row)];
+    if (weight == 0) continue;  // its blocks, too, are left out
     const int begin = C.outerIndexPtr()[row], end = C.outerIndexPtr()[row + 1];
     const int* column = C.innerIndexPtr();
     const double* value = C.valuePtr();

@@ -21,7 +21,7 @@ class CoarseBlocks {
   using Map = std::unordered_map<std::uint64_t, Block>;
 
   CoarseBlocks() = default;
-  /// \brief C^T diag(q) C of this rank's rows; q empty: 1.
+  /// \brief C^T diag(q) C of this rank's rows; q empty: 1, q zero: the row is left out.
   CoarseBlocks(const CoarseRows& C, const std::vector<double>& q);
   /// \brief sum of w w^T over coarse vectors w.
   explicit CoarseBlocks(const std::vector<Eigen::SparseVector<double>>& vectors);

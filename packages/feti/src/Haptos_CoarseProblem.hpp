@@ -22,11 +22,11 @@ class CoarseProblem {
   using Holds = std::vector<Eigen::SparseVector<double>>;
   using Placement = std::shared_ptr<const CoarsePlacement>;
 
-  /// \param q [owned rows] positive weights, or empty for 1.  Collective.
+  /// \param q [owned rows] weights >= 0, or empty for 1; rows of weight 0 are left out.  Collective.
   CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
   /// \brief With a factor on every rank.
   CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds);
-  /// \brief Rows [m x l] with positive weights [m], or none for 1.
+  /// \brief Rows [m x l] with weights [m] >= 0, or none for 1.
   struct Weighted {
     const CoarseRows& rows;
     const std::vector<double>& q;

@@ -92,8 +92,8 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   for (int c = 0; c < systems.numClasses(); ++c) {
     const auto& dofs = base_->boundary(c);
     const int first = systems.members()[c].front();
-    Eigen::MatrixXd all(Eigen::Index(dofs.size()), systems[first].R.cols());
-    for (std::size_t i = 0; i < dofs.size(); ++i) all.row(Eigen::Index(i)) = systems[first].R.row(dofs[i]);
+    Eigen::MatrixXd all(Eigen::Index(dofs.size()), systems[first].R().cols());
+    for (std::size_t i = 0; i < dofs.size(); ++i) all.row(Eigen::Index(i)) = systems[first].R().row(dofs[i]);
     L_.emplace_back();
     if (slender[std::size_t(first)]) {
       Eigen::MatrixXd S(all.rows(), all.rows());

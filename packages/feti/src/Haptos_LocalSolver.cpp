@@ -26,9 +26,13 @@ Eigen::SparseMatrix<double> regularizeOnNodes(const Eigen::SparseMatrix<double>&
 
 LocalSolver::LocalSolver(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
                          const std::vector<std::array<double, 3>>& coordinates, LocalSolverMethod method)
-    : kernel_(kernel),
-      fixingNodes_(chooseFixingNodes(K, kernel, coordinates)),
-      factor_(regularizeOnNodes(K, kernel, fixingNodes_), method) {
+    : LocalSolver(K, std::make_shared<const Eigen::MatrixXd>(kernel), coordinates, method) {}
+
+LocalSolver::LocalSolver(const Eigen::SparseMatrix<double>& K, std::shared_ptr<const Eigen::MatrixXd> kernel,
+                         const std::vector<std::array<double, 3>>& coordinates, LocalSolverMethod method)
+    : kernel_(std::move(kernel)),
+      fixingNodes_(chooseFixingNodes(K, *kernel_, coordinates)),
+      factor_(regularizeOnNodes(K, *kernel_, fixingNodes_), method) {
   checkKernel(K);
   checkAccuracy();
 }
@@ -38,7 +42,7 @@ LocalSolver::LocalSolver(LocalSolver&&) noexcept = default;
 
 void LocalSolver::checkKernel(const Eigen::SparseMatrix<double>& K) const {
   // One motion that has a share of every column: a column of its own each costs six products.
-  const Eigen::VectorXd motion = kernel_ * Eigen::VectorXd::LinSpaced(kernel_.cols(), 1.0, 1.5);
+  const Eigen::VectorXd motion = *kernel_ * Eigen::VectorXd::LinSpaced(kernel_->cols(), 1.0, 1.5);
   const double error = (K * motion).norm() / K.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(error <= 1e-8), std::runtime_error,
                              "LocalSolver: the kernel given with a subdomain of " << K.rows()
@@ -55,13 +59,13 @@ void LocalSolver::checkAccuracy() const {
   const double residual = (probe - Kreg * answer).norm() / probe.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(residual <= 1e-4), std::runtime_error,
                              "LocalSolver: the factor of a subdomain of " << Kreg.rows() << " unknowns and "
-                                 << kernel_.cols() << " kernel columns is useless (relative residual " << residual
+                                 << kernel_->cols() << " kernel columns is useless (relative residual " << residual
                                  << "): a motion without energy is missing from its kernel, or its stiffness is too ill-conditioned");
 }
 
 void LocalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X,
                         int refinements) const {
-  TEUCHOS_ASSERT(B.rows() == kernel_.rows() && X.rows() == B.rows() && X.cols() == B.cols() && refinements >= 0);
+  TEUCHOS_ASSERT(B.rows() == kernel_->rows() && X.rows() == B.rows() && X.cols() == B.cols() && refinements >= 0);
   for (Eigen::Index first = 0; first < B.cols(); first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, B.cols() - first);
     solveBlock(B.middleCols(first, width), X.middleCols(first, width), refinements);
@@ -85,12 +89,12 @@ void LocalSolver::solveBlock(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::
 
 /// X := (I - R R^T) X
 void LocalSolver::removeKernel(Eigen::Ref<Eigen::MatrixXd> X) const {
-  if (kernel_.cols() == 0) return;
-  const Eigen::MatrixXd rigid = kernel_.transpose() * X;
-  X.noalias() -= kernel_ * rigid;
+  if (kernel_->cols() == 0) return;
+  const Eigen::MatrixXd rigid = kernel_->transpose() * X;
+  X.noalias() -= *kernel_ * rigid;
 }
 
-const Eigen::MatrixXd& LocalSolver::kernel() const { return kernel_; }
+const Eigen::MatrixXd& LocalSolver::kernel() const { return *kernel_; }
 const std::vector<int>& LocalSolver::fixingNodes() const { return fixingNodes_; }
 LocalSolverFactor::MatrixView LocalSolver::regularized() const { return factor_.matrix(); }
 const char* LocalSolver::methodName() const { return factor_.methodName(); }

@@ -29,6 +29,9 @@ class LocalSolver {
   LocalSolver(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
               const std::vector<std::array<double, 3>>& coordinates,
               LocalSolverMethod method = LocalSolverMethod::Automatic);
+  /// \brief With a kernel that others keep, too.
+  LocalSolver(const Eigen::SparseMatrix<double>& K, std::shared_ptr<const Eigen::MatrixXd> kernel,
+              const std::vector<std::array<double, 3>>& coordinates, LocalSolverMethod method = LocalSolverMethod::Automatic);
   ~LocalSolver();
   LocalSolver(LocalSolver&&) noexcept;
 
@@ -54,7 +57,7 @@ class LocalSolver {
   void checkKernel(const Eigen::SparseMatrix<double>& K) const;
   void checkAccuracy() const;
 
-  Eigen::MatrixXd kernel_;
+  std::shared_ptr<const Eigen::MatrixXd> kernel_;
   std::vector<int> fixingNodes_;
   LocalSolverFactor factor_;
 };

@@ -84,7 +84,7 @@ bool congruent(const LocalSystem& a, const LocalSystem& b) {
   if (!samePattern(a.K, b.K)) return false;
   const Eigen::Map<const Eigen::VectorXd> va(a.K.valuePtr(), a.K.nonZeros()), vb(b.K.valuePtr(), b.K.nonZeros());
   if ((va - vb).lpNorm<Eigen::Infinity>() > kCongruenceTolerance * va.lpNorm<Eigen::Infinity>()) return false;
-  return (a.R - b.R).lpNorm<Eigen::Infinity>() <= kCongruenceTolerance * 10;
+  return (a.R() - b.R()).lpNorm<Eigen::Infinity>() <= kCongruenceTolerance * 10;
 }
 
 }  // namespace
@@ -103,14 +103,14 @@ void LocalSystems::assemble(const std::vector<Subdomain>& subdomains, const std:
         break;
       }
     if (copyOf_[i] >= 0) {
-      systems_[i].R = systems_[copyOf_[i]].R;
+      systems_[i].kernel = systems_[copyOf_[i]].kernel;
       continue;
     }
     candidates.push_back(int(i));
     auto K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
     systems_[i].K.swap(K);  // an assignment would copy
     systems_[i].magnitude = componentSums(systems_[i].K);
-    systems_[i].R = rigidBodyModes(subdomains[i].coordinates, {});
+    systems_[i].kernel = std::make_shared<const Eigen::MatrixXd>(rigidBodyModes(subdomains[i].coordinates, {}));
   }
 }
 
@@ -149,7 +149,7 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, LocalSolverM
   solvers_.clear();
   condensed_.clear();
   for (int i : representative_)
-    solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method));
+    solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, subdomains[i].coordinates, method));
 }
 
 void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method,
@@ -170,7 +170,7 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
       if (wanted) makeCondensation(c, boundary, LocalCondensation::Scope::Both);
     }
     if (!condensed_[c]) {
-      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].R, subdomains[i].coordinates, method);
+      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, subdomains[i].coordinates, method);
       solvers_[c]->releaseMatrix();
     }
     if (!lastUse) continue;
@@ -214,7 +214,7 @@ std::vector<int> LocalSystems::boundaryOf(int c, const std::vector<Subdomain>& s
 void LocalSystems::makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope) {
   const LocalSystem& system = systems_[representative_[c]];
   try {
-    condensed_[c] = std::make_unique<LocalCondensation>(system.K, system.R, boundary, members_[c].size(), scope);
+    condensed_[c] = std::make_unique<LocalCondensation>(system.K, system.R(), boundary, members_[c].size(), scope);
   } catch (const std::runtime_error&) {
     return;
   }
@@ -237,7 +237,7 @@ const char* LocalSystems::methodName() const {
 
 void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
   const auto& members = members_[c];
-  const Eigen::Index n = systems_[members.front()].R.rows();
+  const Eigen::Index n = systems_[members.front()].R().rows();
   for (std::size_t first = 0; first < members.size(); first += kBlock) {
     const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
     Eigen::MatrixXd B(n, width), X(n, width);

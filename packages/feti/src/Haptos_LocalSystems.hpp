@@ -18,9 +18,11 @@ namespace Haptos {
 /// \brief K and R of one subdomain; dof = 3 x local node + component.
 struct LocalSystem {
   Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles; of one member of a class, and until LocalSystems lets it go
-  Eigen::MatrixXd R;              ///< [n x 6], orthonormal columns, K R = 0
+  std::shared_ptr<const Eigen::MatrixXd> kernel;  ///< R, shared by copies and with the factor
   Eigen::MatrixX3d magnitude;  ///< see LocalSystems::magnitude
   int congruenceClass = 0;        ///< local to the rank; members share K, R and the factor
+
+  const Eigen::MatrixXd& R() const { return *kernel; }  ///< [n x 6], orthonormal columns, K R = 0
 };
 
 /// \brief How K^+ acts in an application of F: by solves with a sparse factor, by dense matrices on the surface, or

@@ -32,7 +32,7 @@ void forEachPiece(const MultiplierMap& multipliers, const LocalSystems& systems,
   const auto& entries = multipliers.overlapEntries();
   for (std::size_t k = 0; k < entries.size();) {
     const int row = entries[k].row, subdomain = entries[k].subdomain;
-    const Eigen::MatrixXd& R = systems[subdomain - firstSubdomain].R;
+    const Eigen::MatrixXd& R = systems[subdomain - firstSubdomain].R();
     Values values{};
     for (; k < entries.size() && entries[k].row == row && entries[k].subdomain == subdomain; ++k)
       for (int m = 0; m < kModes; ++m) values[m] += entries[k].value * R(entries[k].dof, m);
@@ -175,7 +175,7 @@ Eigen::VectorXd NaturalCoarseSpace::restrictLoad(const MultiVector& f, const Loc
   const auto& offsets = jump_->primalOffsets();
   for (int i = 0; i < systems.size(); ++i)
     mine.segment(kModes * (jump_->firstSubdomain() + i), kModes).noalias() =
-        systems[i].R.transpose() * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R.rows());
+        systems[i].R().transpose() * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R().rows());
   Teuchos::reduceAll(*coarseMap_->getComm(), Teuchos::REDUCE_SUM, dimension(), mine.data(), sum.data());
   return sum;
 }
@@ -184,8 +184,8 @@ void NaturalCoarseSpace::addRigidMotion(const Eigen::VectorXd& a, const LocalSys
   const auto data = u.getDataNonConst(0);
   const auto& offsets = jump_->primalOffsets();
   for (int i = 0; i < systems.size(); ++i)
-    Eigen::Map<Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R.rows()).noalias() +=
-        systems[i].R * a.segment(kModes * (jump_->firstSubdomain() + i), kModes);
+    Eigen::Map<Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R().rows()).noalias() +=
+        systems[i].R() * a.segment(kModes * (jump_->firstSubdomain() + i), kModes);
 }
 
 }  // namespace Haptos

@@ -39,7 +39,7 @@ void SurfaceOperators::add(const LocalSystems& systems, const std::vector<Subdom
     const FactorPrecision precision = exact ? FactorPrecision::Double : FactorPrecision::Single;
     made.schur = std::make_unique<LocalSchur>(kind_ == PreconditionerKind::Lumped
                                                   ? LocalSchur::lumped(K, made.boundary, precision)
-                                                  : LocalSchur(K, systems[first].R, made.boundary, method_, precision));
+                                                  : LocalSchur(K, systems[first].R(), made.boundary, method_, precision));
   }
   classes_.push_back(std::move(made));
 }

@@ -18,7 +18,7 @@ Dense denseG(const Scene& scene, const Feti& feti) {
   Dense mine = Dense::Zero(6 * scene.partition.count, B.rows()), G = mine;
   for (int i = 0; i < feti.systems->size(); ++i) {
     const int s = feti.dealt.first + i;
-    const Dense& R = (*feti.systems)[i].R;
+    const Dense& R = (*feti.systems)[i].R();
     mine.middleRows(6 * s, 6) = R.transpose() * B.middleCols(offsets[s], R.rows()).transpose();
   }
   Teuchos::reduceAll(*feti.comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), G.data());

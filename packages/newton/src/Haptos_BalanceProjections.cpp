@@ -6,22 +6,22 @@
 namespace Haptos {
 namespace {
 
-// Scales rows of G^T: `keep` is 1 on gluing rows and 0 on contact rows.
-CoarseRows keepGluingRows(const CoarseRows& rows, const DualVectors& vectors) {
-  Eigen::VectorXd keep = Eigen::VectorXd::Zero(rows.rows());
-  for (int row : vectors.gluingRows()) keep[row] = 1;
-  CoarseRows result = keep.asDiagonal() * rows;
-  result.prune([](Eigen::Index, Eigen::Index, double value) { return value != 0.0; });
-  return result;
+// 1 on gluing rows and 0 on contact rows
+Eigen::VectorXd markGluingRows(const DualVectors& vectors) {
+  Eigen::VectorXd isGluing = Eigen::VectorXd::Zero(vectors.numRows());
+  vectors.setGluing(isGluing, Eigen::VectorXd::Ones(Eigen::Index(vectors.gluingRows().size())));
+  return isGluing;
 }
+
+std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
 }  // namespace
 
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
-    : dual_(dual), vectors_(vectors), gluingRows_(keepGluingRows(*dual.GT, vectors)), coarseSize_(dual.GT->cols()) {
-  const UnheldMotions floating = findUnheldMotions(vectors.comm(), gluingRows_, dual.motions);
+    : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), coarseSize_(dual.GT->cols()) {
+  const UnheldMotions floating = findUnheldMotions(vectors.comm(), *dual.GT, dual.motions, isGluing_);
   for (int pivot : floating.pivots) holds_.push_back(dual.holds[std::size_t(pivot)]);
-  EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), gluingRows_, std::vector<double>{}, holds_);
+  EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), holds_);
   const Eigen::MatrixXd Z = dual.motions * floating.basis;
   Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
   if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
@@ -39,11 +39,16 @@ Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
 
 void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
   const Eigen::VectorXd mine = dual_.GT->transpose() * v;
-  v -= gluingRows_ * Eigen::VectorXd(EE_->solveSum(mine, target));
+  const Eigen::VectorXd a = EE_->solveSum(mine, target);
+  v -= isGluing_.cwiseProduct(*dual_.GT * a);
+}
+
+Eigen::VectorXd GluingBalance::sumGluing(const Eigen::VectorXd& v) const {
+  return dual_.GT->transpose() * Eigen::VectorXd(isGluing_.cwiseProduct(v));
 }
 
 void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
-  Eigen::VectorXd a = EE_->solveSum(Eigen::VectorXd(gluingRows_.transpose() * s));
+  Eigen::VectorXd a = EE_->solveSum(sumGluing(s));
   a -= Zk_ * (Zk_.transpose() * a);
   s -= *dual_.GT * a;
 }
@@ -64,8 +69,6 @@ CoarseRows contactRowsOf(const CoarseRows& rows, const std::vector<PairLaw>& pai
   return result;
 }
 
-std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
-
 CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
   constexpr double kWeakHold = 1e-9;  // floating motions are held by active contact rows; this only keeps K regular
   for (auto& hold : holds) hold *= std::sqrt(kWeakHold);
@@ -79,11 +82,11 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
     : gluing_(gluing),
       vectors_(vectors),
       weights_(weights),
-      q_(listOf(weights)),
+      q_(listOf(gluing.isGluing().cwiseProduct(weights))),
       contactWeights_(listOf(vectors.contact(weights))),
       contactRows_(contactRowsOf(*dual.GT, dual.pairs)),
       active_(contactRows_),
-      coarse_(dual.GGT->placement(), {gluing.gluingRows(), q_}, {contactRows_, contactWeights_}, weakened(gluing.holds())) {}
+      coarse_(dual.GGT->placement(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds())) {}
 
 void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vector<TangentialModes>& modes) {
   std::vector<Eigen::Triplet<double>> triplets;
@@ -105,15 +108,15 @@ void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vecto
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
   const Eigen::Map<const Eigen::VectorXd> contactWeights(contactWeights_.data(), Eigen::Index(contactWeights_.size()));
   const Eigen::VectorXd contact = vectors_.contact(residual);
-  Eigen::VectorXd mine = gluing_.gluingRows().transpose() * weights_.cwiseProduct(residual);
+  Eigen::VectorXd mine = gluing_.sumGluing(weights_.cwiseProduct(residual));
   mine += active_.transpose() * contactWeights.cwiseProduct(contact);
   const Eigen::VectorXd a = coarse_.solveSum(mine);
-  residual -= gluing_.gluingRows() * a;
+  residual -= gluing_.GT() * a;
   vectors_.setContact(residual, contact - active_ * a);
 }
 
 PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
-    : active_(active), gluingSum_(active.gluing_.gluingRows().transpose() * z), taken_(active.coarse_, gluingSum_) {}
+    : active_(active), gluingSum_(active.gluing_.sumGluing(z)), taken_(active.coarse_, gluingSum_) {}
 
 // Takes gluingSum + contactSum off by all active rows; returns what the contact values are to change by.
 Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
@@ -129,12 +132,11 @@ Eigen::VectorXd PrimalBalance::project(const Eigen::VectorXd& contact) {
 Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(active_.contactRows_.transpose() * contact); }
 
 void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
-  const CoarseRows& gluingRows = active_.gluing_.gluingRows();
   const Eigen::VectorXd mine = gluingSum_ + active_.contactRows_.transpose() * contact;
   const Eigen::VectorXd a = taken_.total();
   Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> ab(a.size(), 2);
   ab << a, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a));
-  const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> spreads = gluingRows * ab;
+  const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> spreads = active_.gluing_.GT() * ab;
   z -= active_.weights_.cwiseProduct(spreads.col(0)) + spreads.col(1);
   active_.vectors_.setContact(z, contact);
 }

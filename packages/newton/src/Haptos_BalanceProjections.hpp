@@ -30,7 +30,11 @@ class GluingBalance {
   /// \brief b with G_E G_E^T b = sum over ranks of `mine` - `shift`.  Collective.
   Eigen::VectorXd solve(const Eigen::VectorXd& mine, const Eigen::MatrixXd& shift) const { return EE_->solveSum(mine, shift); }
 
-  const CoarseRows& gluingRows() const { return gluingRows_; }  ///< G^T with contact rows emptied
+  /// \brief This rank's part of G_E v_E [l].
+  Eigen::VectorXd sumGluing(const Eigen::VectorXd& v) const;
+
+  const CoarseRows& GT() const { return *dual_.GT; }
+  const Eigen::VectorXd& isGluing() const { return isGluing_; }  ///< [rows] 1 or 0
   Eigen::Index numFloating() const { return Zk_.cols(); }
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
   const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk
@@ -40,7 +44,7 @@ class GluingBalance {
  private:
   const ContactOperators& dual_;
   const DualVectors& vectors_;
-  CoarseRows gluingRows_;  // G^T with contact rows emptied
+  Eigen::VectorXd isGluing_;  // a mask instead of a second G^T
   std::unique_ptr<CoarseProblem> EE_;
   CoarseProblem::Holds holds_;
   Eigen::MatrixXd Zk_, H_, jumps_;
