@@ -3,18 +3,23 @@
 #include <Teuchos_DefaultComm.hpp>
 #include <Tpetra_Core.hpp>
 #include <cstdio>
+#include <cstdint>
 #include <cstdlib>
+#include <fstream>
 #include <iostream>
 
 #include <dlfcn.h>
 #ifdef __GLIBC__
 #include <malloc.h>
+#include <sys/mman.h>
+#include <unistd.h>
 #endif
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_MpiCounter.hpp"
 #include "Haptos_Parameters.hpp"
+#include "Haptos_RunClock.hpp"
 #include "Haptos_Simulation.hpp"
 
 namespace {
@@ -95,11 +100,34 @@ void useOneThread() {
   if (auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
 }
 
-// Vectors come and go in every iteration: keep their pages instead of asking the system for clean ones each time.
-void keepFreedMemory() {
 #ifdef __GLIBC__
+// Addresses cost nothing unless the system counts them as memory.
+bool countsAddresses() {
+  std::ifstream setting("/proc/sys/vm/overcommit_memory");
+  return setting.get() == '2';
+}
+
+// The heap may grow to most of the memory: that range is asked to lie in huge pages before any page of it is used.
+void askForHugePages() {
+  if (countsAddresses()) return;
+  const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
+  const auto reserve = std::size_t(0.8 * Haptos::physicalMemoryBytes());
+  mallopt(M_MMAP_MAX, 0);  // from the heap, however large
+  if (void* range = std::malloc(reserve)) {
+    const auto first = (reinterpret_cast<std::uintptr_t>(range) + page - 1) / page * page;
+    madvise(reinterpret_cast<void*>(first), (reserve - page) / page * page, MADV_HUGEPAGE);
+    std::free(range);
+  }
+  mallopt(M_MMAP_MAX, 65536);  // as it was
+}
+#endif
+
+// A run touches all of its memory in every iteration, and vectors come and go: a page should be asked for once, and be large.
+void prepareHeap() {
+#ifdef __GLIBC__
+  mallopt(M_TRIM_THRESHOLD, -1);  // what was freed stays
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
-  mallopt(M_TRIM_THRESHOLD, 512 << 20);
+  askForHugePages();
 #endif
 }
 
@@ -107,7 +135,7 @@ void keepFreedMemory() {
 
 int main(int argc, char* argv[]) {
   useOneThread();
-  keepFreedMemory();
+  prepareHeap();
   Tpetra::ScopeGuard mpi(&argc, &argv);
   countMpiCalls();
   const auto comm = Tpetra::getDefaultComm();
