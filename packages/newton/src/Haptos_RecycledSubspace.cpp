@@ -28,7 +28,7 @@ Eigen::VectorXd RecycledSubspace::combineS(const Eigen::VectorXd& y) const {
 }
 
 void RecycledSubspace::grow() {
-  constexpr Eigen::Index kFirst = 24;
+  constexpr Eigen::Index kFirst = 32;  // most runs need no more
   const Eigen::Index most = permanent_ + std::min(maximum_, kUnlimited - permanent_);
   const Eigen::Index capacity = std::max(size_ + 1, std::min(most, std::max(kFirst, 2 * V_.cols())));
   const auto resize = [&](Eigen::MatrixXd& m, Eigen::Index rows) { m.conservativeResize(rows, capacity); };

@@ -94,8 +94,14 @@ def verdict(ok):
     return "holds" if ok else "DOES NOT HOLD"
 
 
-def compare_petsc(program, n):
-    peer = run_peer("peer_petsc.py", "-n", str(n))
+def least(repeat, run, seconds):
+    """The fastest of some runs: what a busy machine, or one that hands out memory slowly, adds is no program's own."""
+    runs = [run() for _ in range(repeat)]
+    return None if None in runs else min(runs, key=seconds)
+
+
+def compare_petsc(program, n, repeat):
+    peer = least(repeat, lambda: run_peer("peer_petsc.py", "-n", str(n)), lambda run: run["setup"] + run["solve"])
     if peer is None:
         return
     if not peer["residual"] < 2e-6:
@@ -105,12 +111,12 @@ def compare_petsc(program, n):
     print("  PETSc CG+GAMG, tied, %d unknowns: set-up %.2f + solve %.2f s, %d iterations, true residual %.1e" %
           (peer["unknowns"], peer["setup"], peer["solve"], peer["iterations"], peer["residual"]))
     for method, goal in (("METIS", 1.5), ("Bricks", 0.7)):
-        ours = run_haptos(program, n, method)
+        ours = least(repeat, lambda: run_haptos(program, n, method), lambda run: run["fcs"])
         print("  Haptos, frictional, %s: factor + coarse + solve %.2f s, %d multiplications, %d subdomains: %.2f times PETSc (goal %.1f)" %
               (method, ours["fcs"], ours["solver"]["hessian_multiplications"], ours["model"]["subdomains"], ours["fcs"] / seconds, goal))
 
 
-def compare_contact(program, n, name, script, goal, tolerance):
+def compare_contact(program, n, name, script, goal, tolerance):  # minutes a run: once
     peer = run_peer(script, str(n))
     if peer is None:
         return
@@ -128,12 +134,13 @@ def main():
     parser.add_argument("--haptos", default=str(HERE.parents[2] / "build/release/bin/haptos"))
     parser.add_argument("--elements", type=int, nargs="+", default=[16], choices=sorted(BRICKS), help="N, elements a unit length")
     parser.add_argument("--peers", nargs="+", default=["PETSc", "GetFEM", "CalculiX"])
+    parser.add_argument("--repeat", type=int, default=3, help="runs of PETSc and beside it, of which the fastest counts")
     options = parser.parse_args()
     found = available() & set(options.peers)
     for n in options.elements:
         print("N = %d" % n, flush=True)
         if "PETSc" in found:
-            compare_petsc(options.haptos, n)
+            compare_petsc(options.haptos, n, options.repeat)
         if "GetFEM" in found:
             compare_contact(options.haptos, n, "GetFEM", "peer_getfem.py", 10, 0.05)
         if "CalculiX" in found:
