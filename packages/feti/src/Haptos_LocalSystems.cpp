@@ -30,7 +30,7 @@ struct LocalPrediction {
 };
 
 LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
-  constexpr double kApplications = 30, kTraffic = 2e10, kSparseTraffic = 9e9;   // [-], [bytes/s]
+  constexpr double kApplications = 30, kTraffic = 2e10, kSparseTraffic = 1.6e10;   // [-], [bytes/s]
   constexpr double kDense = 3e10, kProducts = 4e10, kSparseProducts = 2.5e10;   // [flops/s]
   constexpr double kFillIn = 15, kFactor = 13e-3, kFactorSize = 2187;  // entries of L: 15 n^(4/3); seconds at 2187 unknowns
   constexpr double kRowBytes = 480;  // of K_bb and K_ib for an unknown of the surface, in single precision
