@@ -112,21 +112,19 @@ void askForHugePages() {
   if (countsAddresses()) return;
   const std::size_t page = std::size_t(sysconf(_SC_PAGESIZE));
   const auto reserve = std::size_t(0.8 * Haptos::physicalMemoryBytes());
-  mallopt(M_MMAP_MAX, 0);  // from the heap, however large
   if (void* range = std::malloc(reserve)) {
     const auto first = (reinterpret_cast<std::uintptr_t>(range) + page - 1) / page * page;
     madvise(reinterpret_cast<void*>(first), (reserve - page) / page * page, MADV_HUGEPAGE);
     std::free(range);
   }
-  mallopt(M_MMAP_MAX, 65536);  // as it was
 }
 #endif
 
 // A run touches all of its memory in every iteration, and vectors come and go: a page should be asked for once, and be large.
 void prepareHeap() {
 #ifdef __GLIBC__
-  mallopt(M_TRIM_THRESHOLD, -1);  // what was freed stays
-  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, -1);  // what one phase frees serves the next
+  mallopt(M_MMAP_MAX, 0);         // however large it is
   askForHugePages();
 #endif
 }

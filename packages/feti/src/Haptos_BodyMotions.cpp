@@ -85,6 +85,34 @@ Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
   return w / w.norm();
 }
 
+namespace {
+
+// (W G^T Z)^T (W G^T Z), row by row: G^T Z as a whole would take more memory than G^T.
+Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z, const Eigen::VectorXd& weights) {
+  const CoarseRows motions = Z;
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
+  Eigen::VectorXd jump = Eigen::VectorXd::Zero(Z.cols());
+  std::vector<int> touched;  // motions of the bodies at this row
+  std::vector<Eigen::Index> touchedBy(std::size_t(Z.cols()), -1);
+  for (Eigen::Index row = 0; row < GT.rows(); ++row) {
+    const double weight = weights.size() > 0 ? weights[row] : 1.0;
+    if (weight == 0) continue;
+    touched.clear();
+    for (CoarseRows::InnerIterator it(GT, row); it; ++it)
+      for (CoarseRows::InnerIterator motion(motions, it.col()); motion; ++motion) {
+        if (touchedBy[std::size_t(motion.col())] != row) touched.push_back(int(motion.col()));
+        touchedBy[std::size_t(motion.col())] = row;
+        jump[motion.col()] += weight * it.value() * motion.value();
+      }
+    for (int a : touched)
+      for (int b : touched) gram(a, b) += jump[a] * jump[b];
+    for (int a : touched) jump[a] = 0;
+  }
+  return gram;
+}
+
+}  // namespace
+
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const BodyMotions& bodies) {
   return findUnheldMotions(comm, GT, bodies.Z());
 }
@@ -93,9 +121,7 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
                                 const Eigen::VectorXd& weights) {
   if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  Eigen::SparseMatrix<double> rows = GT * Z;
-  if (weights.size() > 0) rows = (weights.asDiagonal() * rows).eval();
-  Eigen::MatrixXd A = Eigen::MatrixXd(Eigen::SparseMatrix<double>(rows.transpose() * rows));
+  Eigen::MatrixXd A = gramOfJumps(GT, Z, weights);
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   const double largest = std::max(1.0, eigen.eigenvalues().tail<1>()[0]);  // 1: where nothing is held at all
