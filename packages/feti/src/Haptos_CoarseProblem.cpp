@@ -194,7 +194,7 @@ Eigen::VectorXd CoarseProblem::Series::total() {
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
     eliminated_.bottomRows(schurTotal_.size()) = schurTotal_;
-    a = problem_.condensed_->substituteBack(std::move(eliminated_));
+    a = problem_.condensed_->substituteBack(eliminated_);
   }
   placement.broadcast(a);
   return a;

@@ -4,24 +4,17 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_BLAS.hpp>
 #include <algorithm>
-#include <string>
 #include <stdexcept>
-
-#include "Haptos_DenseSymmetric.hpp"
+#include <string>
 
 #if defined(HAPTOS_HAVE_CHOLMOD)
 #include <cholmod.h>
 #endif
 
-// Not in Teuchos::BLAS.
-extern "C" void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda,
-                       double* x, const int* incx);
-
 namespace Haptos {
 namespace {
 
 constexpr int kModes = CoarseBlocks::kModes;
-const int kOne = 1;
 
 // Unknowns of a list of subdomains.
 std::vector<int> expanded(const std::vector<int>& subdomains) {
@@ -183,58 +176,56 @@ bool CondensedFactor::pays(Eigen::Index unknowns, Eigen::Index changing) {
   return changing > 0 && (changing <= kAlways || (changing <= kLargest && 3 * changing <= unknowns));
 }
 
-void CondensedFactor::factorOthers(const Parts& A, const std::vector<int>& changing) {
+void CondensedFactor::eliminateOthers(const Parts& A, const std::vector<int>& changing) {
   CholmodCommon common;
   const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, changing, common);
+  startSchur(A, order);
   OrderedMatrix ordered(A, order);
-  ordered.shiftDiagonal(int(others_));  // the last columns of L are not used; they must exist
+  ordered.shiftDiagonal(int(numOthers_));  // the last columns of L are not used; they must exist
   const CholmodFactor factor(ordered.view(), common);
   const auto ints = [](const void* p) { return static_cast<const int*>(p); };
-  const int *super = ints((*factor).super), *pi = ints((*factor).pi), *px = ints((*factor).px), *rows = ints((*factor).s);
-  const double* values = static_cast<const double*>((*factor).x);
-  perm_ = expanded(order);
-  int nodes = 0;
-  std::size_t entries = 0;
-  for (; super[nodes] < others_; ++nodes) entries += std::size_t(super[nodes + 1] - super[nodes]) * std::size_t(pi[nodes + 1] - pi[nodes]);
-  values_.reserve(entries);  // no page is touched twice
-  for (int k = 0; k < nodes; ++k) {
-    const int columns = std::min(super[k + 1], int(others_)) - super[k], numRows = pi[k + 1] - pi[k];
-    nodes_.push_back({super[k], columns, numRows, rows_.size(), values_.size()});
-    rows_.insert(rows_.end(), rows + pi[k], rows + pi[k + 1]);
-    values_.insert(values_.end(), values + px[k], values + px[k] + std::size_t(columns) * std::size_t(numRows));
-    mostRows_ = std::max(mostRows_, numRows);
-  }
+  const int* ends = ints((*factor).super);
+  std::vector<int> super{0};
+  for (int k = 1; super.back() < numOthers_; ++k) super.push_back(std::min(ends[k], int(numOthers_)));
+  const SupernodeView L{int(size_), int(super.size()) - 1, super.data(), ints((*factor).pi), ints((*factor).px), ints((*factor).s),
+                        perm_.data(), static_cast<const double*>((*factor).x)};
+  others_ = SupernodalFactor<double>(L);
+  subtractFromSchur(L);
 }
 #else
 bool CondensedFactor::pays(Eigen::Index, Eigen::Index) { return false; }
 
-void CondensedFactor::factorOthers(const Parts&, const std::vector<int>&) {
+void CondensedFactor::eliminateOthers(const Parts&, const std::vector<int>&) {
   throw std::logic_error("coarse matrices are condensed by CHOLMOD only");
 }
 #endif
 
 CondensedFactor::CondensedFactor(Eigen::Index unknowns, const Parts& A, const std::vector<int>& changing)
-    : size_(unknowns), others_(size_ - kModes * Eigen::Index(changing.size())), place_(std::size_t(size_ / kModes), -1) {
-  TEUCHOS_ASSERT(!changing.empty() && others_ >= 0);
-  if (others_ > 0) factorOthers(A, changing);
-  else perm_ = expanded(changing);
-  for (Eigen::Index i = others_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - others_);
-  formSchur(A);
+    : size_(unknowns), numOthers_(size_ - kModes * Eigen::Index(changing.size())), place_(std::size_t(size_ / kModes), -1) {
+  TEUCHOS_ASSERT(!changing.empty() && numOthers_ >= 0);
+  if (numOthers_ > 0) eliminateOthers(A, changing);
+  else startSchur(A, changing);
 }
 
-// A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, c: the changing unknowns, o: the others
-void CondensedFactor::formSchur(const Parts& A) {
-  schur_ = Eigen::MatrixXd::Zero(size_ - others_, size_ - others_);
+// A_cc, c: the changing unknowns, which are the last ones in the order
+void CondensedFactor::startSchur(const Parts& A, const std::vector<int>& order) {
+  perm_ = expanded(order);
+  for (Eigen::Index i = numOthers_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - numOthers_);
+  schur_ = Eigen::MatrixXd::Zero(size_ - numOthers_, size_ - numOthers_);
   for (const CoarseBlocks* part : A) addChanging(*part, schur_);
-  for (const Node& node : nodes_) {
-    const int *end = rows_.data() + node.rows + node.numRows, *begin = end - node.numRows;
-    const int *changing = std::lower_bound(begin, end, int(others_)), m = int(end - changing);
+}
+
+// A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, o: the others
+void CondensedFactor::subtractFromSchur(const SupernodeView& L) {
+  for (int k = 0; k < L.supernodes; ++k) {
+    const int *begin = L.s + L.pi[k], *end = L.s + L.pi[k + 1], *changing = std::lower_bound(begin, end, int(numOthers_));
+    const int m = int(end - changing);
     if (m == 0) continue;
     Eigen::MatrixXd product(m, m);
-    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, node.columns, 1.0,
-                                      values_.data() + node.values + (changing - begin), node.numRows, 0.0, product.data(), m);
+    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, L.super[k + 1] - L.super[k], 1.0,
+                                      L.x + L.px[k] + (changing - begin), int(end - begin), 0.0, product.data(), m);
     for (int j = 0; j < m; ++j)
-      for (int i = j; i < m; ++i) schur_(changing[i] - others_, changing[j] - others_) -= product(i, j);
+      for (int i = j; i < m; ++i) schur_(changing[i] - numOthers_, changing[j] - numOthers_) -= product(i, j);
   }
 }
 
@@ -254,56 +245,32 @@ void CondensedFactor::addChanging(const CoarseBlocks& blocks, Eigen::MatrixXd& l
 void CondensedFactor::renew(const CoarseBlocks& E) {
   for (const auto& [key, block] : E.blocks())
     TEUCHOS_ASSERT(place_[std::size_t(CoarseBlocks::row(key))] >= 0 && place_[std::size_t(CoarseBlocks::column(key))] >= 0);
-  factor_ = schur_;
-  addChanging(E, factor_);
-  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(factor_), std::runtime_error,
-                             "the coarse matrix of " << size_ << " unknowns is not positive definite in the " << factor_.rows()
+  Eigen::MatrixXd L = schur_;
+  addChanging(E, L);
+  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(L), std::runtime_error,
+                             "the coarse matrix of " << size_ << " unknowns is not positive definite in the " << schurSize()
                                                      << " that change");
+  changing_ = DenseCholesky(std::move(L), DenseSymmetric::Storage::Full);
 }
 
 Eigen::MatrixXd CondensedFactor::eliminate(const Eigen::MatrixXd& B) const {
-  const Teuchos::BLAS<int, double> blas;
-  Eigen::MatrixXd Y(B.rows(), B.cols());
-  Eigen::VectorXd product(mostRows_);
-  for (Eigen::Index j = 0; j < B.cols(); ++j) {
-    double* y = Y.col(j).data();
-    for (Eigen::Index i = 0; i < size_; ++i) y[i] = B(perm_[std::size_t(i)], j);
-    for (const Node& node : nodes_) {
-      const double* L = values_.data() + node.values;
-      dtrsv_("L", "N", "N", &node.columns, L, &node.numRows, y + node.first, &kOne);
-      const int below = node.numRows - node.columns, *rows = rows_.data() + node.rows + node.columns;
-      if (below == 0) continue;
-      blas.GEMV(Teuchos::NO_TRANS, below, node.columns, 1.0, L + node.columns, node.numRows, y + node.first, 1, 0.0, product.data(), 1);
-      for (int i = 0; i < below; ++i) y[rows[i]] -= product[i];
-    }
-  }
-  return Y;
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, B.cols());
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    for (Eigen::Index i = 0; i < size_; ++i) Y(i, j) = B(perm_[std::size_t(i)], j);
+  if (numOthers_ > 0) others_.forward(Y);
+  return Y.topRows(size_);
 }
 
-Eigen::MatrixXd CondensedFactor::substituteBack(Eigen::MatrixXd Y) const {
-  const Teuchos::BLAS<int, double> blas;
-  Eigen::MatrixXd X(Y.rows(), Y.cols());
-  Eigen::VectorXd known(mostRows_);
-  for (Eigen::Index j = 0; j < Y.cols(); ++j) {
-    double* y = Y.col(j).data();
-    for (auto node = nodes_.rbegin(); node != nodes_.rend(); ++node) {
-      const double* L = values_.data() + node->values;
-      const int below = node->numRows - node->columns, *rows = rows_.data() + node->rows + node->columns;
-      for (int i = 0; i < below; ++i) known[i] = y[rows[i]];
-      if (below > 0)
-        blas.GEMV(Teuchos::TRANS, below, node->columns, -1.0, L + node->columns, node->numRows, known.data(), 1, 1.0, y + node->first, 1);
-      dtrsv_("L", "T", "N", &node->columns, L, &node->numRows, y + node->first, &kOne);
-    }
-    for (Eigen::Index i = 0; i < size_; ++i) X(perm_[std::size_t(i)], j) = y[i];
-  }
+Eigen::MatrixXd CondensedFactor::substituteBack(const Eigen::MatrixXd& Y) const {
+  Eigen::MatrixXd X(size_, Y.cols()), ordered = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, Y.cols());
+  ordered.topRows(size_) = Y;
+  if (numOthers_ > 0) others_.backward(ordered);
+  for (Eigen::Index j = 0; j < Y.cols(); ++j)
+    for (Eigen::Index i = 0; i < size_; ++i) X(perm_[std::size_t(i)], j) = ordered(i, j);
   return X;
 }
 
-void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
-  const int n = int(factor_.rows());
-  for (Eigen::Index j = 0; j < last.cols(); ++j)
-    for (const char* side : {"N", "T"}) dtrsv_("L", side, "N", &n, factor_.data(), &n, last.col(j).data(), &kOne);
-}
+void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const { changing_.solve(last); }
 
 Eigen::MatrixXd CondensedFactor::multiplySchur(const Eigen::MatrixXd& X) const {
   return schur_.selfadjointView<Eigen::Lower>() * X;
@@ -311,8 +278,8 @@ Eigen::MatrixXd CondensedFactor::multiplySchur(const Eigen::MatrixXd& X) const {
 
 Eigen::MatrixXd CondensedFactor::solve(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd Y = eliminate(B);
-  solveSchur(Y.bottomRows(factor_.rows()));
-  return substituteBack(std::move(Y));
+  solveSchur(Y.bottomRows(schurSize()));
+  return substituteBack(Y);
 }
 
 }  // namespace Haptos

@@ -4,6 +4,8 @@
 #include <vector>
 
 #include "Haptos_CoarseBlocks.hpp"
+#include "Haptos_DenseSymmetric.hpp"
+#include "Haptos_SupernodalFactor.hpp"
 
 namespace Haptos {
 
@@ -41,31 +43,25 @@ class CondensedFactor {
   /// \brief S X, both [changing unknowns x m]
   Eigen::MatrixXd multiplySchur(const Eigen::MatrixXd& X) const;
   /// \brief The solution [l x m] from what `eliminate` gave, its last rows solved for.
-  Eigen::MatrixXd substituteBack(Eigen::MatrixXd Y) const;
+  Eigen::MatrixXd substituteBack(const Eigen::MatrixXd& Y) const;
   const std::vector<int>& order() const { return perm_; }  ///< [l] unknown of every row of `eliminate`
   Eigen::Index schurSize() const { return schur_.rows(); }
   /// @}
 
-  std::size_t factorEntries() const { return values_.size() + std::size_t(factor_.size()); }
+  std::size_t factorEntries() const { return others_.entries() + std::size_t(schur_.size()); }
 
  private:
-  // Columns of L that belong together and their rows, those of the diagonal block first.
-  struct Node {
-    int first, columns, numRows;
-    std::size_t rows, values;  // where they begin
-  };
-  void factorOthers(const Parts& A, const std::vector<int>& changing);
-  void formSchur(const Parts& A);
+  void eliminateOthers(const Parts& A, const std::vector<int>& changing);
+  void startSchur(const Parts& A, const std::vector<int>& order);
+  void subtractFromSchur(const SupernodeView& L);
   void addChanging(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const;
 
-  Eigen::Index size_, others_;  // unknowns, of which this many never change
-  std::vector<int> place_;      // [subdomains] first row in the Schur complement, -1: none
+  Eigen::Index size_, numOthers_;    // unknowns, of which this many never change
+  std::vector<int> place_;           // [subdomains] first row in the Schur complement, -1: none
   std::vector<int> perm_;
-  std::vector<Node> nodes_;
-  std::vector<int> rows_;
-  std::vector<double> values_;      // by columns
-  Eigen::MatrixXd schur_, factor_;  // lower triangles: S, and L of S + E
-  int mostRows_ = 0;                // of a node
+  SupernodalFactor<double> others_;  // L's columns of those that never change; nothing if there are none
+  Eigen::MatrixXd schur_;            // S, lower triangle
+  DenseCholesky changing_;           // of S + E
 };
 
 }  // namespace Haptos

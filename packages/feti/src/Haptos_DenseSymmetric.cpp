@@ -14,6 +14,8 @@ void sspmv_(const char* uplo, const int* n, const float* alpha, const float* ap,
             const float* beta, float* y, const int* incy);
 void dsyr2k_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
              const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
+void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda, double* x,
+            const int* incx);
 void dtpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* ap, double* x, const int* incx);
 }
 
@@ -152,6 +154,10 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   TEUCHOS_ASSERT(B.rows() == n_);
   if (B.size() == 0) return;
   const int n = int(n_);
+  if (packed_.empty() && B.cols() == 1) {
+    for (const char* side : {"N", "T"}) dtrsv_("L", side, "N", &n, full_.data(), &n, B.data(), &kOne);
+    return;
+  }
   if (packed_.empty()) {
     for (const Teuchos::ETransp side : {Teuchos::NO_TRANS, Teuchos::TRANS})
       Teuchos::BLAS<int, double>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, side, Teuchos::NON_UNIT_DIAG, n, int(B.cols()), 1.0,

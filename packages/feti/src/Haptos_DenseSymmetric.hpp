@@ -55,8 +55,8 @@ class DenseSymmetric {
   std::vector<float> singles_;
 };
 
-/// \brief A lower triangular factor L of A = L L^T, kept as a DenseSymmetric is: solves are rare where it is packed, and
-/// have many columns where it is full.
+/// \brief A lower triangular factor L of A = L L^T, kept as a DenseSymmetric is: packed where solves are rare, full where they
+/// are many or have many columns.
 class DenseCholesky {
  public:
   DenseCholesky() = default;

@@ -13,8 +13,10 @@
 namespace Haptos {
 namespace {
 
-HAPTOS_CLONES void sweep(const FactorView<double>& L, double* x, double* work) { sweepBoth(L, x, work); }
-HAPTOS_CLONES void sweep(const FactorView<float>& L, float* x, float* work) { sweepBoth(L, x, work); }
+HAPTOS_CLONES void forwardOne(const FactorView<double>& L, double* x, double* work) { sweepForward(L, x, work); }
+HAPTOS_CLONES void forwardOne(const FactorView<float>& L, float* x, float* work) { sweepForward(L, x, work); }
+HAPTOS_CLONES void backwardOne(const FactorView<double>& L, double* x, double* work) { sweepBackward(L, x, work); }
+HAPTOS_CLONES void backwardOne(const FactorView<float>& L, float* x, float* work) { sweepBackward(L, x, work); }
 
 double largestPivot(const SupernodeView& v) {
   double largest = 0;
@@ -29,7 +31,8 @@ double largestPivot(const SupernodeView& v) {
 template <class Scalar>
 SupernodalFactor<Scalar>::SupernodalFactor(const SupernodeView& v) : perm_(v.perm, v.perm + v.n) {
   if (std::is_same<Scalar, float>::value) scale_ = largestPivot(v);
-  constexpr int kCount = Lanes<Scalar>::kCount;
+  constexpr int kCount = kPadding;
+  static_assert(kCount == Lanes<Scalar>::kCount, "a register");
   std::size_t size = 0;
   for (int k = 0; k < v.supernodes; ++k) {
     const int columns = v.super[k + 1] - v.super[k], below = v.pi[k + 1] - v.pi[k] - columns;
@@ -74,6 +77,8 @@ typename SupernodalFactor<Scalar>::Matrix SupernodalFactor<Scalar>::triangleOf(c
 
 template <class Scalar>
 void SupernodalFactor<Scalar>::forward(Matrix& X) const {
+  TEUCHOS_ASSERT(X.rows() == rows() + kPadding);
+  if (X.cols() == 1) return forwardOne({nodes_, entries_.data(), rowsBelow_.data()}, X.data(), workspace().data());
   const Teuchos::BLAS<int, Scalar> blas;
   const int n = int(X.rows()), m = int(X.cols());
   Matrix below(largest_, m);
@@ -92,6 +97,8 @@ void SupernodalFactor<Scalar>::forward(Matrix& X) const {
 
 template <class Scalar>
 void SupernodalFactor<Scalar>::backward(Matrix& X) const {
+  TEUCHOS_ASSERT(X.rows() == rows() + kPadding);
+  if (X.cols() == 1) return backwardOne({nodes_, entries_.data(), rowsBelow_.data()}, X.data(), workspace().data());
   const Teuchos::BLAS<int, Scalar> blas;
   const int n = int(X.rows()), m = int(X.cols());
   Matrix below(largest_, m);
@@ -114,18 +121,12 @@ void SupernodalFactor<Scalar>::solve(const Eigen::Ref<const Eigen::MatrixXd>& B,
   if (B.size() == 0) return;
   const double largest = std::is_same<Scalar, float>::value ? B.cwiseAbs().maxCoeff() : 1.0;
   const double unit = largest > 0 ? largest : 1.0;
-  const Eigen::Index padding = B.cols() == 1 ? Lanes<Scalar>::kCount : 0;
-  Matrix Y(B.rows() + padding, B.cols());
+  Matrix Y(B.rows() + kPadding, B.cols());
   for (Eigen::Index j = 0; j < B.cols(); ++j)
     for (Eigen::Index i = 0; i < B.rows(); ++i) Y(i, j) = Scalar(B(perm_[std::size_t(i)], j) / unit);
-  if (B.cols() == 1) {
-    std::vector<Scalar> work(std::size_t(largest_) + 1);
-    Y.bottomRows(padding).setZero();
-    sweep({nodes_, entries_.data(), rowsBelow_.data()}, Y.data(), work.data());
-  } else {
-    forward(Y);
-    backward(Y);
-  }
+  Y.bottomRows(kPadding).setZero();
+  forward(Y);
+  backward(Y);
   const double back = unit / (scale_ * scale_);
   for (Eigen::Index j = 0; j < B.cols(); ++j)
     for (Eigen::Index i = 0; i < B.rows(); ++i) X(perm_[std::size_t(i)], j) = back * double(Y(i, j));

@@ -39,13 +39,22 @@ class SupernodalFactor {
   /// \brief X := A^-1 B, both [n x m].  They must not overlap.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
+  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+  static constexpr int kPadding = 32 / int(sizeof(Scalar));  ///< rows of zeros that the halves want behind their vectors
+
+  /// \name The halves of a solve, X [n + kPadding x m] in the order of L.
+  ///
+  /// L may lack its last columns: those unknowns are then only taken off or put in.
+  /// @{
+  void forward(Matrix& X) const;   ///< X := L^-1 X
+  void backward(Matrix& X) const;  ///< X := L^-T X
+  /// @}
+
   Eigen::Index rows() const { return Eigen::Index(perm_.size()); }
   std::size_t entries() const { return entries_.size(); }
 
  private:
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
-  void forward(Matrix& X) const;
-  void backward(Matrix& X) const;
+  std::vector<Scalar> workspace() const { return std::vector<Scalar>(std::size_t(largest_) + 1); }
   Matrix triangleOf(const Supernode& node) const;
   void append(const Supernode& node, const double* block);
 

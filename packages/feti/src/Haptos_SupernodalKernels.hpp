@@ -163,16 +163,26 @@ struct FactorView {
   const int* rowsBelow;
 };
 
+/// A supernode's parts: n columns with the triangle T and the rectangle R of m rows, and its own entries of x.
+template <class Scalar>
+struct NodeParts {
+  const int n, m;
+  const Blocks end;
+  const Scalar *T, *R;
+  const int* rows;
+  Scalar* own;
+
+  HAPTOS_INLINE NodeParts(const FactorView<Scalar>& L, const Supernode& node, Scalar* x)
+      : n(node.columns), m(node.storedRows), end(n), T(L.entries + node.triangle), R(L.entries + node.rectangle),
+        rows(L.rowsBelow + node.rows), own(x + node.first) {}
+};
+
 template <class Scalar>
 HAPTOS_INLINE void forwardNode(const FactorView<Scalar>& L, const Supernode& node, Scalar* x, Scalar* work) {
-  const int n = node.columns, m = node.storedRows;
-  const Blocks end(n);
-  const Scalar *T = L.entries + node.triangle, *R = L.entries + node.rectangle;
-  Scalar* own = x + node.first;
+  const auto& [n, m, end, T, R, rows, own] = NodeParts<Scalar>(L, node, x);
   for (int j = 0; j < end.six; j += 6) forwardBlock<Scalar, 6>(n, j, T, own);
   for (int j = end.six; j < end.three; j += 3) forwardBlock<Scalar, 3>(n, j, T, own);
   for (int j = end.three; j < n; ++j) forwardBlock<Scalar, 1>(n, j, T, own);
-  const int* rows = L.rowsBelow + node.rows;
   for (int i = 0; i < m; ++i) work[i] = x[rows[i]];
   for (int j = 0; j < end.six; j += 6) subtractProduct<Scalar, 6>(m, rectangleBlock<Scalar, 6>(R, m, j), own + j, work);
   for (int j = end.six; j < end.three; j += 3) subtractProduct<Scalar, 3>(m, rectangleBlock<Scalar, 3>(R, m, j), own + j, work);
@@ -182,11 +192,7 @@ HAPTOS_INLINE void forwardNode(const FactorView<Scalar>& L, const Supernode& nod
 
 template <class Scalar>
 HAPTOS_INLINE void backwardNode(const FactorView<Scalar>& L, const Supernode& node, Scalar* x, Scalar* work) {
-  const int n = node.columns, m = node.storedRows;
-  const Blocks end(n);
-  const Scalar *T = L.entries + node.triangle, *R = L.entries + node.rectangle;
-  Scalar* own = x + node.first;
-  const int* rows = L.rowsBelow + node.rows;
+  const auto& [n, m, end, T, R, rows, own] = NodeParts<Scalar>(L, node, x);
   for (int i = 0; i < m; ++i) work[i] = x[rows[i]];
   for (int j = n - 1; j >= end.three; --j) subtractTransposed<Scalar, 1>(m, rectangleBlock<Scalar, 1>(R, m, j), work, own + j);
   for (int j = end.three - 3; j >= end.six; j -= 3) subtractTransposed<Scalar, 3>(m, rectangleBlock<Scalar, 3>(R, m, j), work, own + j);
@@ -196,10 +202,15 @@ HAPTOS_INLINE void backwardNode(const FactorView<Scalar>& L, const Supernode& no
   for (int j = end.six - 6; j >= 0; j -= 6) backwardBlock<Scalar, 6>(n, j, T, own);
 }
 
-/// x := L^-T L^-1 x; x [n + kCount], zeros behind: the rows of padding point to the first of them.
+/// x := L^-1 x; x [n + kCount], zeros behind: the rows of padding point to the first of them.
 template <class Scalar>
-HAPTOS_INLINE void sweepBoth(const FactorView<Scalar>& L, Scalar* x, Scalar* work) {
+HAPTOS_INLINE void sweepForward(const FactorView<Scalar>& L, Scalar* x, Scalar* work) {
   for (const Supernode& node : L.nodes) forwardNode(L, node, x, work);
+}
+
+/// x := L^-T x, x as above.
+template <class Scalar>
+HAPTOS_INLINE void sweepBackward(const FactorView<Scalar>& L, Scalar* x, Scalar* work) {
   for (auto node = L.nodes.rbegin(); node != L.nodes.rend(); ++node) backwardNode(L, *node, x, work);
 }
 
