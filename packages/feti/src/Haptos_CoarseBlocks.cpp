@@ -68,33 +68,38 @@ BlockMap sumBlocks(const std::vector<Bytes>& messages) {
   return total;
 }
 
+// A row's entries in one subdomain.
+struct Piece {
+  int subdomain;
+  std::array<double, kModes> values;
+};
+
+void takePieces(const CoarseRows& C, Eigen::Index row, std::vector<Piece>& pieces) {
+  pieces.clear();
+  for (CoarseRows::InnerIterator it(C, row); it; ++it) {
+    const int subdomain = int(it.col()) / kModes;
+    if (pieces.empty() || pieces.back().subdomain != subdomain) pieces.push_back({subdomain, {}});
+    pieces.back().values[std::size_t(int(it.col()) - kModes * subdomain)] = it.value();
+  }
+}
+
+// block += weight a b^T; of fixed size, which compilers make much of
+void addProduct(double weight, const std::array<double, kModes>& a, const std::array<double, kModes>& b, Block& block) {
+  for (std::size_t i = 0; i < kModes; ++i)
+    for (std::size_t j = 0; j < kModes; ++j) block[i * kModes + j] += weight * a[i] * b[j];
+}
+
 }  // namespace
 
 CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
   RecentBlocks recent(blocks_);
+  std::vector<Piece> pieces;
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     const double weight = q.empty() ? 1.0 : q[std::size_t(row)];
     if (weight == 0) continue;  // its blocks, too, are left out
-    const int begin = C.outerIndexPtr()[row], end = C.outerIndexPtr()[row + 1];
-    const int* column = C.innerIndexPtr();
-    const double* value = C.valuePtr();
-    for (int i = begin; i < end;) {
-      const int s = column[i] / kModes;
-      int iEnd = i;
-      while (iEnd < end && column[iEnd] / kModes == s) ++iEnd;
-      for (int j = begin; j < iEnd;) {
-        const int t = column[j] / kModes;
-        int jEnd = j;
-        while (jEnd < end && column[jEnd] / kModes == t) ++jEnd;
-        Block& block = recent.at(s, t);
-        for (int a = i; a < iEnd; ++a) {
-          double* blockRow = block.data() + (column[a] - kModes * s) * kModes - kModes * t;
-          for (int b = j; b < jEnd; ++b) blockRow[column[b]] += weight * value[a] * value[b];
-        }
-        j = jEnd;
-      }
-      i = iEnd;
-    }
+    takePieces(C, row, pieces);
+    for (std::size_t i = 0; i < pieces.size(); ++i)
+      for (std::size_t j = 0; j <= i; ++j) addProduct(weight, pieces[i].values, pieces[j].values, recent.at(pieces[i].subdomain, pieces[j].subdomain));
   }
 }
 

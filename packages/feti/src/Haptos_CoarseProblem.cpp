@@ -40,30 +40,43 @@ std::vector<int> subdomainsOf(const CoarseBlocks& blocks) {
 }  // namespace
 
 CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
-    : placement_(std::move(placement)) {
+    : placement_(std::move(placement)), size_(C.cols()) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
-  fixed_ = sumUp({C, q});
-  addHolds(fixed_, holds);
-  matrix_ = CoarseMatrix({&fixed_, &held_}, C.cols());
+  fixed_ = std::make_shared<const CoarseBlocks>(sumUp({C, q}));
+  addHolds(*fixed_, holds);
   factor({});
 }
 
-CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds)
-    : placement_(std::move(placement)) {
+CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds, Factor when)
+    : placement_(std::move(placement)), size_(fixed.rows.cols()) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
-  fixed_ = sumUp(fixed);
-  fixedMatrix_ = CoarseMatrix({&fixed_}, fixed.rows.cols());
-  fixedMatrix_.set({&fixed_});
+  fixed_ = std::make_shared<const CoarseBlocks>(sumUp(fixed));
   const CoarseBlocks first = sumUp(changing);
-  CoarseBlocks pattern = fixed_;
+  CoarseBlocks pattern = *fixed_;
   pattern.add(first);
   addHolds(pattern, holds);
   changing_ = subdomainsOf(first);
   Eigen::MatrixXd condenses(1, 1);
-  condenses(0, 0) = CondensedFactor::pays(fixed.rows.cols(), kModes * Eigen::Index(changing_.size()));
+  condenses(0, 0) = CoarseElimination::pays(size_, kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
-  if (!condenses_) matrix_ = CoarseMatrix({&pattern, &held_}, fixed.rows.cols());
+  if (!condenses_) matrix_ = CoarseMatrix({&pattern, &held_}, size_);
+  if (when == Factor::Now) {
+    factor(first);
+    return;
+  }
+  fixedMatrix_ = CoarseMatrix({fixed_.get()}, size_);
+  fixedMatrix_.set({fixed_.get()});
+}
+
+// Where no motion is to be held, the others are eliminated already.
+CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
+    : placement_(whole.placement_), size_(whole.size_), fixed_(whole.fixed_) {
+  const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
+  addHolds(*fixed_, holds);
+  condenses_ = whole.condenses_ && holds.empty() && !whole.isHeld_;
+  if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CondensedFactor>(whole.condensed_->elimination());
+  factor({});
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
@@ -74,6 +87,7 @@ void CoarseProblem::addHolds(const CoarseBlocks& pattern, const Holds& holds) {
   CoarseCosts& costs = placement_->costs();
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
   held_.add(CoarseBlocks(holds), pattern.largestDiagonal());
+  isHeld_ = !holds.empty();
 }
 
 CoarseProblem::CoarseProblem(const Communicator& comm, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
@@ -111,15 +125,16 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
 }
 
 void CoarseProblem::factorWhole(const CoarseBlocks& changing) {
-  matrix_.set({&fixed_, &held_, &changing});
+  if (matrix_.matrix().rows() == 0) matrix_ = CoarseMatrix({fixed_.get(), &held_}, size_);
+  matrix_.set({fixed_.get(), &held_, &changing});
   if (factor_) factor_->renew(matrix_.matrix());
   else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
 }
 
 void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
   if (!condensed_) {
-    const CondensedFactor::Parts stays{&fixed_, &held_};
-    condensed_ = std::make_unique<CondensedFactor>(fixedMatrix_.matrix().rows(), stays, changing_);
+    const CoarseElimination::Parts stays{fixed_.get(), &held_};
+    condensed_ = std::make_unique<CondensedFactor>(std::make_shared<const CoarseElimination>(size_, stays, changing_));
   }
   condensed_->renew(changing);
 }
@@ -171,16 +186,17 @@ Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& chan
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(changing.size(), 1);
   if (placement.holds()) {
     const CondensedFactor& factor = *problem_.condensed_;
+    const CoarseElimination& fixed = *factor.elimination();
     const Eigen::Index n = factor.schurSize(), others = changing.size() - n;
     if (isFirst) {
-      eliminated_ = factor.eliminate(b);
+      eliminated_ = fixed.eliminate(b);
       schurTotal_ = Eigen::VectorXd::Zero(n);
     }
-    Eigen::MatrixXd x = eliminated_.bottomRows(n) - factor.multiplySchur(schurTotal_);
-    for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(factor.order()[std::size_t(others + i)], 0);
+    Eigen::MatrixXd x = eliminated_.bottomRows(n) - fixed.multiplySchur(schurTotal_);
+    for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(fixed.order()[std::size_t(others + i)], 0);
     factor.solveSchur(x);
     schurTotal_ += x;
-    for (Eigen::Index i = 0; i < n; ++i) a(factor.order()[std::size_t(others + i)], 0) = x(i, 0);
+    for (Eigen::Index i = 0; i < n; ++i) a(fixed.order()[std::size_t(others + i)], 0) = x(i, 0);
   }
   placement.broadcast(a);
   problem_.count(1);
@@ -194,7 +210,7 @@ Eigen::VectorXd CoarseProblem::Series::total() {
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
     eliminated_.bottomRows(schurTotal_.size()) = schurTotal_;
-    a = problem_.condensed_->substituteBack(eliminated_);
+    a = problem_.condensed_->elimination()->substituteBack(eliminated_);
   }
   placement.broadcast(a);
   return a;

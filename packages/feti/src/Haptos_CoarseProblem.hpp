@@ -31,18 +31,23 @@ class CoarseProblem {
     const CoarseRows& rows;
     const std::vector<double>& q;
   };
-  /// \brief A = C^T diag(q) C of the fixed rows and of those that `renew` brings, which must be called before a solve.
+  enum class Factor { Now, WithRenewal };
+  /// \brief A = C^T diag(q) C of the fixed rows and of those that change.
   ///
-  /// \param changing all pairs of subdomains that changing rows may touch.  Collective.
-  CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds);
+  /// \param changing all pairs of subdomains that changing rows may touch
+  /// \param when with these changing rows now, or with those that `renew` brings, before any solve.  Collective.
+  CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds, Factor when = Factor::WithRenewal);
+
+  /// \brief The matrix of the fixed rows of `whole` alone, which was factored before; `holds` of its own.  Collective.
+  CoarseProblem(const CoarseProblem& whole, const Holds& holds);
 
   /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
   ///
-  /// Where changing rows touch few subdomains the others are eliminated once (CondensedFactor).
+  /// Where changing rows touch few subdomains the others are eliminated once (CoarseElimination).
   /// \throws std::runtime_error on all ranks if A is not positive definite.
   void renew(const Weighted& changing);
 
-  /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.
+  /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.  Needs renewals.
   Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
 
   /// \brief x := A^-1 b; b is the same on all ranks, so is x.  Collective where not every rank has the factor.
@@ -90,9 +95,12 @@ class CoarseProblem {
   void factorCondensed(const CoarseBlocks& changing);
 
   Placement placement_;
-  CoarseBlocks fixed_, held_;  // on the holders
-  CoarseMatrix fixedMatrix_;   // made where something may change
-  CoarseMatrix matrix_;
+  Eigen::Index size_;
+  std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
+  CoarseBlocks held_;
+  CoarseMatrix fixedMatrix_;   // made where something is to change
+  CoarseMatrix matrix_;        // made where nothing is condensed
+  bool isHeld_ = false;        // on all ranks: there are holds
   bool condenses_ = false;     // on all ranks
   std::vector<int> changing_;  // subdomains to condense to, on the holders
   std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none

@@ -160,8 +160,8 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
 
 // Condensed where few subdomains change, whole where all do.
 TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
-  TEST_EQUALITY(CondensedFactor::pays(6 * Chain::kSubdomains, 60), hasCholmod());
-  TEST_ASSERT(!CondensedFactor::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
+  TEST_EQUALITY(CoarseElimination::pays(6 * Chain::kSubdomains, 60), hasCholmod());
+  TEST_ASSERT(!CoarseElimination::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
   for (int touched : {1, 10, Chain::kSubdomains}) {
     const Chain chain(touched);
     const Eigen::Index l = chain.fixed.cols();
@@ -181,6 +181,33 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
         }
       }
     }
+  }
+}
+
+// Of the whole matrix, made at once, and of its fixed rows alone, with what the whole one eliminated or not.
+TEUCHOS_UNIT_TEST(CoarseProblem, FixedPartAlone) {
+  for (int touched : {10, Chain::kSubdomains}) {
+    const Chain chain(touched);
+    const Eigen::Index l = chain.fixed.cols();
+    const Dense b = someColumns(l, 2), F = denseGram(chain.fixed, chain.q), A = F + denseGram(chain.changing, chain.q);
+    for (const auto& held : {CoarseProblem::Holds{}, twoHolds(l)})
+      for (const auto& heldAlone : {CoarseProblem::Holds{}, twoHolds(l)})
+        for (const Case& c : allCases(chain.comm->getSize())) {
+          out << touched << " change, " << held.size() << " and " << heldAlone.size() << " holds, " << c.name << "\n";
+          Dense H = Dense::Zero(l, l);
+          for (const auto& w : twoHolds(l)) H += Dense(w) * Dense(w).transpose();
+          const Dense whole = A + (held.empty() ? 0 : A.diagonal().maxCoeff()) * H;
+          const Dense alone = F + (heldAlone.empty() ? 0 : F.diagonal().maxCoeff()) * H;
+          auto problem = std::make_unique<CoarseProblem>(chain.place(c.options), CoarseProblem::Weighted{chain.fixed, chain.q},
+                                                         CoarseProblem::Weighted{chain.changing, chain.q}, held,
+                                                         CoarseProblem::Factor::Now);
+          const CoarseProblem fixed(*problem, heldAlone);
+          const Dense x = whole.llt().solve(b), xAlone = alone.llt().solve(b);
+          TEST_ASSERT(isSmall(problem->solve(b) - x, x));
+          TEST_ASSERT(isSmall(fixed.solve(b) - xAlone, xAlone));
+          problem.reset();
+          TEST_ASSERT(isSmall(fixed.solveSum(partOf(b, *chain.comm)) - xAlone, xAlone));
+        }
   }
 }
 

@@ -21,7 +21,8 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
     : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), coarseSize_(dual.GT->cols()) {
   const UnheldMotions floating = findUnheldMotions(vectors.comm(), *dual.GT, dual.motions, isGluing_);
   for (int pivot : floating.pivots) holds_.push_back(dual.holds[std::size_t(pivot)]);
-  EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), holds_);
+  if (dual.contactChangesGGT) EE_ = std::make_unique<CoarseProblem>(*dual.GGT, holds_);
+  else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), holds_);
   const Eigen::MatrixXd Z = dual.motions * floating.basis;
   Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
   if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());

@@ -35,6 +35,7 @@ struct ContactOperators {
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular
+  bool contactChangesGGT = false;     ///< it was made with the contact rows, and no others, as changing ones: saves a factor
   Eigen::VectorXd e;                  ///< [l], the same on all ranks
   /// Coarse vectors of motions that the gluing rows may not feel [l x motions] (rigid motions of bodies); may have no
   /// column.  holds[j]: a coarse vector that acts on motion j, `CoarseProblem::Holds`.

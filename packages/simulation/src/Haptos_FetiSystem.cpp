@@ -157,7 +157,13 @@ RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, boo
 void FetiSystem::formDual(const CoarseOptions& coarse) {
   const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
   const auto placement = std::make_shared<CoarsePlacement>(model_.comm, G_->dimension(), coarse);
-  const auto GGT = Teuchos::rcp(new CoarseProblem(placement, G_->rows(), {}, holds_));
+  std::vector<double> isGluing, isContact;
+  for (const auto kind : model_.multipliers->kinds()) {
+    isGluing.push_back(isEquality(kind));
+    isContact.push_back(!isEquality(kind));
+  }
+  const auto GGT = Teuchos::rcp(
+      new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holds_, CoarseProblem::Factor::Now));
   dual_ = makeDualProblem(F, G_, GGT, *f_, *c_);
 }
 

@@ -26,6 +26,7 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;
+  o.contactChangesGGT = true;
   o.e = dual.e;
   o.motions = system.bodies().Z();
   for (int body = 0; body < system.bodies().numBodies(); ++body)

@@ -1,0 +1,265 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_CoarseElimination.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <Teuchos_BLAS.hpp>
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#if defined(HAPTOS_HAVE_CHOLMOD)
+#include <cholmod.h>
+#endif
+
+namespace Haptos {
+namespace {
+
+constexpr int kModes = CoarseBlocks::kModes;
+
+// Unknowns of a list of subdomains.
+std::vector<int> expanded(const std::vector<int>& subdomains) {
+  std::vector<int> unknowns;
+  unknowns.reserve(subdomains.size() * kModes);
+  for (int s : subdomains)
+    for (int a = 0; a < kModes; ++a) unknowns.push_back(kModes * s + a);
+  return unknowns;
+}
+
+}  // namespace
+
+#if defined(HAPTOS_HAVE_CHOLMOD)
+namespace {
+
+struct CholmodCommon : cholmod_common {
+  CholmodCommon() : cholmod_common() {
+    cholmod_start(this);
+    print = 0;  // failures are reported by exceptions
+  }
+  ~CholmodCommon() { cholmod_finish(this); }
+};
+
+struct CompressedColumns {
+  std::vector<int> starts{0}, rows;
+  std::vector<double> values;
+
+  cholmod_sparse view(int stype) {
+    cholmod_sparse a{};
+    a.nrow = a.ncol = starts.size() - 1;
+    a.nzmax = rows.size();
+    a.p = starts.data();
+    a.i = rows.data();
+    a.x = values.data();
+    a.stype = stype;
+    a.itype = CHOLMOD_INT;
+    a.xtype = values.empty() ? CHOLMOD_PATTERN : CHOLMOD_REAL;
+    a.dtype = CHOLMOD_DOUBLE;
+    a.sorted = a.packed = 1;
+    return a;
+  }
+};
+
+// Constrained minimum degree on the graph of the subdomains.
+std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+  std::vector<std::uint64_t> keys;
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) keys.push_back(key);
+  std::sort(keys.begin(), keys.end());
+  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+  CompressedColumns graph;  // rows of the lower triangle are columns of the upper one
+  for (std::size_t s = 0, k = 0; s < std::size_t(subdomains); ++s) {
+    for (; k < keys.size() && CoarseBlocks::row(keys[k]) == int(s); ++k) graph.rows.push_back(CoarseBlocks::column(keys[k]));
+    graph.starts.push_back(int(graph.rows.size()));
+  }
+  std::vector<int> isLast(std::size_t(subdomains), 0), order(isLast);
+  for (int s : last) isLast[std::size_t(s)] = 1;
+  auto view = graph.view(1);
+  const bool ordered = cholmod_camd(&view, nullptr, 0, isLast.data(), order.data(), &common);
+  TEUCHOS_TEST_FOR_EXCEPTION(!ordered, std::runtime_error, "CHOLMOD: ordering " << subdomains << " subdomains failed");
+  return order;
+}
+
+// The lower triangle of A(order, order), as CHOLMOD takes it without moving anything.
+class OrderedMatrix {
+ public:
+  OrderedMatrix(const CoarseElimination::Parts& A, const std::vector<int>& order);
+  void shiftDiagonal(int from);
+  cholmod_sparse view() { return columns_.view(-1); }
+
+ private:
+  void makePattern(const CoarseElimination::Parts& A);
+  void add(std::uint64_t key, const CoarseBlocks::Block& block);
+
+  std::vector<int> position_;                  // of a subdomain
+  std::vector<std::vector<int>> rowsOfColumn_;  // of blocks, ascending, from the diagonal on
+  CompressedColumns columns_;
+};
+
+OrderedMatrix::OrderedMatrix(const CoarseElimination::Parts& A, const std::vector<int>& order)
+    : position_(order.size()), rowsOfColumn_(order.size()) {
+  for (std::size_t i = 0; i < order.size(); ++i) position_[std::size_t(order[i])] = int(i);
+  makePattern(A);
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) add(key, block);
+}
+
+void OrderedMatrix::makePattern(const CoarseElimination::Parts& A) {
+  for (const CoarseBlocks* part : A)
+    for (const auto& [key, block] : part->blocks()) {
+      const auto [low, high] = std::minmax(position_[std::size_t(CoarseBlocks::row(key))], position_[std::size_t(CoarseBlocks::column(key))]);
+      rowsOfColumn_[std::size_t(low)].push_back(high);
+    }
+  for (std::size_t t = 0; t < rowsOfColumn_.size(); ++t) {
+    auto& rows = rowsOfColumn_[t];
+    rows.push_back(int(t));
+    std::sort(rows.begin(), rows.end());
+    rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
+    for (int b = 0; b < kModes; ++b) {
+      for (int s : rows)
+        for (int a = s == int(t) ? b : 0; a < kModes; ++a) columns_.rows.push_back(kModes * s + a);
+      columns_.starts.push_back(int(columns_.rows.size()));
+    }
+  }
+  columns_.values.assign(columns_.rows.size(), 0.0);
+}
+
+void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
+  const int s = position_[std::size_t(CoarseBlocks::row(key))], t = position_[std::size_t(CoarseBlocks::column(key))];
+  const auto& rows = rowsOfColumn_[std::size_t(std::min(s, t))];
+  const auto at = std::lower_bound(rows.begin(), rows.end(), std::max(s, t)) - rows.begin();
+  for (int b = 0; b < kModes; ++b) {
+    double* to = columns_.values.data() + columns_.starts[std::size_t(kModes * std::min(s, t) + b)] + kModes * at - b;
+    for (int a = at == 0 ? b : 0; a < kModes; ++a) to[a] += block[std::size_t(s >= t ? a * kModes + b : b * kModes + a)];
+  }
+}
+
+// Adds the largest diagonal entry to those from this column on.
+void OrderedMatrix::shiftDiagonal(int from) {
+  double largest = 0;
+  for (std::size_t j = 0; j + 1 < columns_.starts.size(); ++j) largest = std::max(largest, columns_.values[std::size_t(columns_.starts[j])]);
+  for (std::size_t j = std::size_t(from); j + 1 < columns_.starts.size(); ++j) columns_.values[std::size_t(columns_.starts[j])] += largest;
+}
+
+// A supernodal factor A = L L^T in the order in which A is given.
+class CholmodFactor {
+ public:
+  CholmodFactor(cholmod_sparse A, CholmodCommon& common);
+  ~CholmodFactor() { cholmod_free_factor(&factor_, &common_); }
+  CholmodFactor(const CholmodFactor&) = delete;
+  CholmodFactor& operator=(const CholmodFactor&) = delete;
+
+  const cholmod_factor& operator*() const { return *factor_; }
+
+ private:
+  CholmodCommon& common_;
+  cholmod_factor* factor_;
+};
+
+CholmodFactor::CholmodFactor(cholmod_sparse A, CholmodCommon& common) : common_(common) {
+  common.quick_return_if_not_posdef = 1;
+  common.supernodal = CHOLMOD_SUPERNODAL;
+  common.nmethods = 1;
+  common.method[0].ordering = CHOLMOD_NATURAL;
+  common.postorder = 0;  // it might move others behind the last
+  factor_ = cholmod_analyze(&A, &common);
+  if (factor_ != nullptr) cholmod_factorize(&A, factor_, &common);
+  if (common.status == CHOLMOD_OK && factor_->minor == factor_->n) return;
+  cholmod_free_factor(&factor_, &common);  // no destructor runs after a constructor that throws
+  TEUCHOS_TEST_FOR_EXCEPTION(common.status == CHOLMOD_NOT_POSDEF, std::runtime_error,
+                             "CHOLMOD: the coarse matrix of " << A.nrow << " unknowns is not positive definite");
+  throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(common.status));
+}
+
+}  // namespace
+
+bool CoarseElimination::pays(Eigen::Index unknowns, Eigen::Index last) {
+  constexpr Eigen::Index kAlways = 200, kLargest = 1500;  // dense work on few costs less than looking at a sparse pattern
+  return last > 0 && (last <= kAlways || (last <= kLargest && 3 * last <= unknowns));
+}
+
+void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& last) {
+  CholmodCommon common;
+  const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, last, common);
+  startSchur(A, order);
+  OrderedMatrix ordered(A, order);
+  ordered.shiftDiagonal(int(numOthers_));  // the last columns of L are not used; they must exist
+  const CholmodFactor factor(ordered.view(), common);
+  const auto ints = [](const void* p) { return static_cast<const int*>(p); };
+  const int* ends = ints((*factor).super);
+  std::vector<int> super{0};
+  for (int k = 1; super.back() < numOthers_; ++k) super.push_back(std::min(ends[k], int(numOthers_)));
+  const SupernodeView L{int(size_), int(super.size()) - 1, super.data(), ints((*factor).pi), ints((*factor).px), ints((*factor).s),
+                        perm_.data(), static_cast<const double*>((*factor).x)};
+  others_ = SupernodalFactor<double>(L);
+  subtractFromSchur(L);
+}
+#else
+bool CoarseElimination::pays(Eigen::Index, Eigen::Index) { return false; }
+
+void CoarseElimination::eliminateOthers(const Parts&, const std::vector<int>&) {
+  throw std::logic_error("coarse matrices are condensed by CHOLMOD only");
+}
+#endif
+
+CoarseElimination::CoarseElimination(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last)
+    : size_(unknowns), numOthers_(size_ - kModes * Eigen::Index(last.size())), place_(std::size_t(size_ / kModes), -1) {
+  TEUCHOS_ASSERT(!last.empty() && numOthers_ >= 0);
+  if (numOthers_ > 0) eliminateOthers(A, last);
+  else startSchur(A, last);
+}
+
+// A_cc, c: the last unknowns
+void CoarseElimination::startSchur(const Parts& A, const std::vector<int>& order) {
+  perm_ = expanded(order);
+  for (Eigen::Index i = numOthers_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - numOthers_);
+  schur_ = Eigen::MatrixXd::Zero(size_ - numOthers_, size_ - numOthers_);
+  for (const CoarseBlocks* part : A) addLast(*part, schur_);
+}
+
+// A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, o: the others
+void CoarseElimination::subtractFromSchur(const SupernodeView& L) {
+  for (int k = 0; k < L.supernodes; ++k) {
+    const int *begin = L.s + L.pi[k], *end = L.s + L.pi[k + 1], *last = std::lower_bound(begin, end, int(numOthers_));
+    const int m = int(end - last);
+    if (m == 0) continue;
+    Eigen::MatrixXd product(m, m);
+    Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, L.super[k + 1] - L.super[k], 1.0,
+                                      L.x + L.px[k] + (last - begin), int(end - begin), 0.0, product.data(), m);
+    for (int j = 0; j < m; ++j)
+      for (int i = j; i < m; ++i) schur_(last[i] - numOthers_, last[j] - numOthers_) -= product(i, j);
+  }
+}
+
+void CoarseElimination::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const {
+  for (const auto& [key, block] : blocks.blocks()) {
+    const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];
+    if (row < 0 || column < 0) continue;
+    for (int a = 0; a < kModes; ++a)
+      for (int b = 0; b < kModes; ++b) {
+        double& entry = row >= column ? lower(row + a, column + b) : lower(column + b, row + a);
+        entry += block[std::size_t(a * kModes + b)];
+      }
+  }
+}
+
+Eigen::MatrixXd CoarseElimination::eliminate(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, B.cols());
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    for (Eigen::Index i = 0; i < size_; ++i) Y(i, j) = B(perm_[std::size_t(i)], j);
+  if (numOthers_ > 0) others_.forward(Y);
+  return Y.topRows(size_);
+}
+
+Eigen::MatrixXd CoarseElimination::substituteBack(const Eigen::MatrixXd& Y) const {
+  Eigen::MatrixXd X(size_, Y.cols()), ordered = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, Y.cols());
+  ordered.topRows(size_) = Y;
+  if (numOthers_ > 0) others_.backward(ordered);
+  for (Eigen::Index j = 0; j < Y.cols(); ++j)
+    for (Eigen::Index i = 0; i < size_; ++i) X(perm_[std::size_t(i)], j) = ordered(i, j);
+  return X;
+}
+
+Eigen::MatrixXd CoarseElimination::multiplySchur(const Eigen::MatrixXd& X) const {
+  return schur_.selfadjointView<Eigen::Lower>() * X;
+}
+
+}  // namespace Haptos
