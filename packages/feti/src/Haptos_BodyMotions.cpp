@@ -2,6 +2,7 @@
 #include "Haptos_BodyMotions.hpp"
 
 #include <Eigen/Dense>
+#include <Teuchos_Assert.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <limits>
@@ -87,22 +88,21 @@ Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
 
 namespace {
 
-// (W G^T Z)^T (W G^T Z), row by row: G^T Z as a whole would take more memory than G^T.
-Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z, const Eigen::VectorXd& weights) {
+// (G^T Z)^T (G^T Z) of the rows that count, one by one: G^T Z as a whole may take more memory than G^T.
+Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z, const std::vector<char>& holds) {
   const CoarseRows motions = Z;
   Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(Z.cols());
   std::vector<int> touched;  // motions of the bodies at this row
   std::vector<Eigen::Index> touchedBy(std::size_t(Z.cols()), -1);
   for (Eigen::Index row = 0; row < GT.rows(); ++row) {
-    const double weight = weights.size() > 0 ? weights[row] : 1.0;
-    if (weight == 0) continue;
+    if (!holds[std::size_t(row)]) continue;
     touched.clear();
     for (CoarseRows::InnerIterator it(GT, row); it; ++it)
       for (CoarseRows::InnerIterator motion(motions, it.col()); motion; ++motion) {
         if (touchedBy[std::size_t(motion.col())] != row) touched.push_back(int(motion.col()));
         touchedBy[std::size_t(motion.col())] = row;
-        jump[motion.col()] += weight * it.value() * motion.value();
+        jump[motion.col()] += it.value() * motion.value();
       }
     for (int a : touched)
       for (int b : touched) gram(a, b) += jump[a] * jump[b];
@@ -113,15 +113,12 @@ Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<doub
 
 }  // namespace
 
-UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const BodyMotions& bodies) {
-  return findUnheldMotions(comm, GT, bodies.Z());
-}
-
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z,
-                                const Eigen::VectorXd& weights) {
+                                const std::vector<char>& holds) {
+  TEUCHOS_ASSERT(holds.size() == std::size_t(GT.rows()));
   if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  Eigen::MatrixXd A = gramOfJumps(GT, Z, weights);
+  Eigen::MatrixXd A = gramOfJumps(GT, Z, holds);
   sumOverRanks(comm, A);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   const double largest = std::max(1.0, eigen.eigenvalues().tail<1>()[0]);  // 1: where nothing is held at all
@@ -144,10 +141,15 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
   return result;
 }
 
+CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bodies) {
+  CoarseProblem::Holds holds;
+  for (int pivot : unheld.pivots) holds.push_back(bodies.hold(pivot / kModes, pivot % kModes));
+  return holds;
+}
+
 CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e,
                                        double loadScale) {
   constexpr double kBalanced = 1e-9;
-  CoarseProblem::Holds holds;
   const Eigen::VectorXd resultant = bodies.Z().transpose() * e;
   Eigen::VectorXd work = unheld.basis.transpose() * resultant;
   // Loads that do work on a free motion: name the motion that they drive.
@@ -156,8 +158,7 @@ CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMo
     throw InsufficientModel("The model has no solution: " + bodies.describe(driven) +
                             " is held by nothing, and the loads drive it (resultant " + std::to_string(driven.norm()) +
                             "). Fix the body by a Displacement condition or give it a contact that can carry the load.");
-  for (int pivot : unheld.pivots) holds.push_back(bodies.hold(pivot / kModes, pivot % kModes));
-  return holds;
+  return holdsFor(unheld, bodies);
 }
 
 }  // namespace Haptos

@@ -38,7 +38,7 @@ class BodyMotions {
   Eigen::SparseMatrix<double> Z_;
 };
 
-/// \brief Motions that no Dirichlet and no contact row feels: a basis Y [6 bodies x k] of { y : G^T Z y = 0 }.
+/// \brief Motions that none of some rows of G^T feels: a basis Y [6 bodies x k] of { y : G^T Z y = 0 }.
 ///
 /// Column i has a 1 at its pivot (body, motion) and 0 at the pivots of the others.
 struct UnheldMotions {
@@ -46,14 +46,15 @@ struct UnheldMotions {
   std::vector<int> pivots;  ///< [k] 6 body + motion
 };
 
-/// \param rows G^T on this rank's rows.  Collective.
-UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const BodyMotions& bodies);
-
-/// \brief The same for any motions Z [l x motions].  \param weights [rows] 0 for those that hold nothing; empty: 1
+/// \param rows G^T on this rank's rows, \param Z [l x motions], see `BodyMotions`
+/// \param holds [rows] whether a row counts; gluing rows within a body need not.  Collective.
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows, const Eigen::SparseMatrix<double>& Z,
-                                const Eigen::VectorXd& weights = {});
+                                const std::vector<char>& holds);
 
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
+CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bodies);
+
+/// \brief The same where they stay unheld for good.
 ///
 /// \param e R^T f, \param loadScale size of the loads [force]
 /// \throws InsufficientModel if the loads do work on an unheld motion: no equilibrium exists.

@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Clones.hpp"
 #include "Haptos_Exchange.hpp"
 
 namespace Haptos {
@@ -83,10 +84,18 @@ void takePieces(const CoarseRows& C, Eigen::Index row, std::vector<Piece>& piece
   }
 }
 
-// block += weight a b^T; of fixed size, which compilers make much of
-void addProduct(double weight, const std::array<double, kModes>& a, const std::array<double, kModes>& b, Block& block) {
-  for (std::size_t i = 0; i < kModes; ++i)
-    for (std::size_t j = 0; j < kModes; ++j) block[i * kModes + j] += weight * a[i] * b[j];
+// block += weight a b^T
+HAPTOS_INLINE void addProduct(double weight, const std::array<double, kModes>& a, const std::array<double, kModes>& b, Block& block) {
+  for (std::size_t i = 0; i < kModes; ++i) {
+    const double wa = weight * a[i];
+    for (std::size_t j = 0; j < kModes; ++j) block[i * kModes + j] += wa * b[j];
+  }
+}
+
+HAPTOS_CLONES void addProducts(double weight, const std::vector<Piece>& pieces, RecentBlocks& blocks) {
+  for (std::size_t i = 0; i < pieces.size(); ++i)
+    for (std::size_t j = 0; j <= i; ++j)
+      addProduct(weight, pieces[i].values, pieces[j].values, blocks.at(pieces[i].subdomain, pieces[j].subdomain));
 }
 
 }  // namespace
@@ -98,8 +107,7 @@ CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
     const double weight = q.empty() ? 1.0 : q[std::size_t(row)];
     if (weight == 0) continue;  // its blocks, too, are left out
     takePieces(C, row, pieces);
-    for (std::size_t i = 0; i < pieces.size(); ++i)
-      for (std::size_t j = 0; j <= i; ++j) addProduct(weight, pieces[i].values, pieces[j].values, recent.at(pieces[i].subdomain, pieces[j].subdomain));
+    addProducts(weight, pieces, recent);
   }
 }
 

@@ -7,11 +7,9 @@
 #include <vector>
 
 #include "Haptos_CoarsePlacement.hpp"
+#include "Haptos_CoarseRows.hpp"
 
 namespace Haptos {
-
-/// Rows: owned dual rows of this rank; columns: all coarse unknowns, 6 x subdomain + mode (global).
-using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 /// \brief The lower triangle of a symmetric coarse matrix in 6 x 6 blocks (s, t), s >= t, of global subdomains.
 class CoarseBlocks {

@@ -128,7 +128,7 @@ Eigen::MatrixXd NaturalCoarseSpace::partOfG(const MultiVector& x) const {
   Eigen::MatrixXd mine(GT_.cols(), Eigen::Index(x.getNumVectors()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const auto data = x.getData(v);
-    mine.col(Eigen::Index(v)).noalias() = GT_.transpose() * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+    mine.col(Eigen::Index(v)) = multiplyTransposed(GT_, Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size()));
   }
   return mine;
 }
@@ -145,7 +145,7 @@ void NaturalCoarseSpace::applyGT(const Eigen::MatrixXd& a, MultiVector& y, doubl
   else if (beta != 1.0) y.scale(beta);
   for (std::size_t v = 0; v < y.getNumVectors(); ++v) {
     const auto data = y.getDataNonConst(v);
-    Eigen::Map<Eigen::VectorXd>(data.getRawPtr(), data.size()).noalias() += alpha * (GT_ * a.col(Eigen::Index(v)));
+    Eigen::Map<Eigen::VectorXd>(data.getRawPtr(), data.size()) += alpha * multiply(GT_, a.col(Eigen::Index(v)));
   }
 }
 

@@ -23,7 +23,7 @@ struct Unheld {
       : scene(makeScene(options)),
         feti(makeFeti(Tpetra::getDefaultComm(), scene)),
         bodies(*feti.comm, feti.dealt.mine, *feti.systems, scene.partition.count, scene.bodies.names),
-        motions(findUnheldMotions(*feti.comm, feti.G->rows(), bodies)) {}
+        motions(findUnheldMotions(*feti.comm, feti.G->rows(), bodies.Z(), std::vector<char>(std::size_t(feti.G->rows().rows()), 1))) {}
 
   // The load f = force (a function of the body and the place) on every copy.
   RCP<Vector> load(const std::function<Point(int, const Point&)>& force) const {

@@ -19,13 +19,11 @@ std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data(
 
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
     : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), coarseSize_(dual.GT->cols()) {
-  const UnheldMotions floating = findUnheldMotions(vectors.comm(), *dual.GT, dual.motions, isGluing_);
-  for (int pivot : floating.pivots) holds_.push_back(dual.holds[std::size_t(pivot)]);
-  if (dual.contactChangesGGT) EE_ = std::make_unique<CoarseProblem>(*dual.GGT, holds_);
-  else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), holds_);
-  const Eigen::MatrixXd Z = dual.motions * floating.basis;
-  Zk_ = Eigen::MatrixXd(Z.rows(), Z.cols());
-  if (Z.cols() > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(Z).householderQ() * Eigen::MatrixXd::Identity(Z.rows(), Z.cols());
+  if (dual.contactChangesGGT) EE_ = std::make_unique<CoarseProblem>(*dual.GGT, dual.holds);
+  else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), dual.holds);
+  const Eigen::Index k = dual.motions.cols();
+  Zk_.resize(coarseSize_, k);
+  if (k > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(dual.motions).householderQ() * Eigen::MatrixXd::Identity(coarseSize_, k);
   jumps_ = *dual.GT * Zk_;
   H_.resize(3 * vectors.numPairs(), Zk_.cols());
   for (Eigen::Index j = 0; j < Zk_.cols(); ++j) H_.col(j) = vectors.contact(jumps_.col(j));
@@ -33,25 +31,25 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
 }
 
 Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
-  Eigen::VectorXd g = dual_.GT->transpose() * v;
+  Eigen::VectorXd g = multiplyTransposed(*dual_.GT, v);
   vectors_.sum(g);
   return g;
 }
 
 void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
-  const Eigen::VectorXd mine = dual_.GT->transpose() * v;
+  const Eigen::VectorXd mine = multiplyTransposed(*dual_.GT, v);
   const Eigen::VectorXd a = EE_->solveSum(mine, target);
-  v -= isGluing_.cwiseProduct(*dual_.GT * a);
+  v -= isGluing_.cwiseProduct(multiply(*dual_.GT, a));
 }
 
 Eigen::VectorXd GluingBalance::sumGluing(const Eigen::VectorXd& v) const {
-  return dual_.GT->transpose() * Eigen::VectorXd(isGluing_.cwiseProduct(v));
+  return multiplyTransposed(*dual_.GT, isGluing_.cwiseProduct(v));
 }
 
 void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   Eigen::VectorXd a = EE_->solveSum(sumGluing(s));
   a -= Zk_ * (Zk_.transpose() * a);
-  s -= *dual_.GT * a;
+  s -= multiply(*dual_.GT, a);
 }
 
 namespace {
@@ -110,10 +108,10 @@ void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
   const Eigen::Map<const Eigen::VectorXd> contactWeights(contactWeights_.data(), Eigen::Index(contactWeights_.size()));
   const Eigen::VectorXd contact = vectors_.contact(residual);
   Eigen::VectorXd mine = gluing_.sumGluing(weights_.cwiseProduct(residual));
-  mine += active_.transpose() * contactWeights.cwiseProduct(contact);
+  mine += multiplyTransposed(active_, contactWeights.cwiseProduct(contact));
   const Eigen::VectorXd a = coarse_.solveSum(mine);
-  residual -= gluing_.GT() * a;
-  vectors_.setContact(residual, contact - active_ * a);
+  residual -= multiply(gluing_.GT(), a);
+  vectors_.setContact(residual, contact - multiply(active_, a));
 }
 
 PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
@@ -123,21 +121,21 @@ PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::
 Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
   const auto& weights = active_.contactWeights_;
   const Eigen::VectorXd a = taken_.next(contactSum);
-  return -Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).cwiseProduct(Eigen::VectorXd(active_.active_ * a));
+  return -Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).cwiseProduct(multiply(active_.active_, a));
 }
 
 Eigen::VectorXd PrimalBalance::project(const Eigen::VectorXd& contact) {
-  return contact + spread(active_.active_.transpose() * contact);
+  return contact + spread(multiplyTransposed(active_.active_, contact));
 }
 
-Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(active_.contactRows_.transpose() * contact); }
+Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(multiplyTransposed(active_.contactRows_, contact)); }
 
 void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
-  const Eigen::VectorXd mine = gluingSum_ + active_.contactRows_.transpose() * contact;
+  const Eigen::VectorXd mine = gluingSum_ + multiplyTransposed(active_.contactRows_, contact);
   const Eigen::VectorXd a = taken_.total();
-  Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> ab(a.size(), 2);
+  TwoColumns ab(a.size(), 2);
   ab << a, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a));
-  const Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor> spreads = active_.gluing_.GT() * ab;
+  const TwoColumns spreads = multiplyTwo(active_.gluing_.GT(), ab);
   z -= active_.weights_.cwiseProduct(spreads.col(0)) + spreads.col(1);
   active_.vectors_.setContact(z, contact);
 }

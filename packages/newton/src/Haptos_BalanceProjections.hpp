@@ -2,7 +2,6 @@
 #pragma once
 #include <memory>
 
-#include "Haptos_BodyMotions.hpp"
 #include "Haptos_ContactProblem.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
@@ -39,14 +38,13 @@ class GluingBalance {
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
   const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk
   const Eigen::VectorXd& load() const { return load_; }      ///< [k] Zk^T e
-  const CoarseProblem::Holds& holds() const { return holds_; }
+  const CoarseProblem::Holds& holds() const { return dual_.holds; }
 
  private:
   const ContactOperators& dual_;
   const DualVectors& vectors_;
   Eigen::VectorXd isGluing_;  // a mask instead of a second G^T
   std::unique_ptr<CoarseProblem> EE_;
-  CoarseProblem::Holds holds_;
   Eigen::MatrixXd Zk_, H_, jumps_;
   Eigen::VectorXd load_;
   Eigen::Index coarseSize_;

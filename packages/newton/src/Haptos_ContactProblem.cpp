@@ -14,6 +14,7 @@ ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector
   TEUCHOS_ASSERT(!o.GT.is_null() && !o.GGT.is_null());
   TEUCHOS_ASSERT(o.GT->cols() == o.e.size());
   TEUCHOS_ASSERT(Eigen::Index(o.holds.size()) == o.motions.cols());
+  TEUCHOS_ASSERT(o.motions.cols() == 0 || o.motions.rows() == o.GT->cols());
 }
 
 }  // namespace Haptos

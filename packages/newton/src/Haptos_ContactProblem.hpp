@@ -37,9 +37,9 @@ struct ContactOperators {
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular
   bool contactChangesGGT = false;     ///< it was made with the contact rows, and no others, as changing ones: saves a factor
   Eigen::VectorXd e;                  ///< [l], the same on all ranks
-  /// Coarse vectors of motions that the gluing rows may not feel [l x motions] (rigid motions of bodies); may have no
-  /// column.  holds[j]: a coarse vector that acts on motion j, `CoarseProblem::Holds`.
-  Eigen::SparseMatrix<double> motions;
+  /// Coarse vectors that span the motions which the gluing rows do not feel [l x k] (of floating bodies,
+  /// `findUnheldMotions`), independent; may be empty.  holds [k]: coarse vectors that act on them, `CoarseProblem::Holds`.
+  Eigen::MatrixXd motions;
   CoarseProblem::Holds holds;
   std::vector<PairLaw> pairs;         ///< owned pairs
   std::vector<int> gluingRows;        ///< owned rows with s = 0

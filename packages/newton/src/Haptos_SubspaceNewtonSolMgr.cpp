@@ -134,7 +134,7 @@ struct SubspaceNewtonSolMgr::Work {
   // What is not in balance at the start is shared by all rows.
   void liftRest() {
     const Eigen::VectorXd rest = balance.applyG(state.lambda) - dual.e;
-    if (rest.norm() > 1e-12 * dual.e.norm()) state.lambda -= *dual.GT * Eigen::VectorXd(dual.GGT->solve(rest));
+    if (rest.norm() > 1e-12 * dual.e.norm()) state.lambda -= multiply(*dual.GT, dual.GGT->solve(rest));
   }
 
   NewtonStop run(const Pairs& level, double levelTolerance, int stall, bool isFinal, bool fresh) {

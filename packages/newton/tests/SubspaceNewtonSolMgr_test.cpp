@@ -20,7 +20,8 @@ using Testing::Pair2;
 /// where the problem floats, six more act on pairs alone.
 struct DenseContact {
   DenseProblem layout;  // only groups and size, for the map
-  DenseMatrix F, M, GT, Z;
+  DenseMatrix F, M, GT;
+  DenseMatrix Z;  // motions that float, if any
   DenseVector h, e;
   std::array<double, 2> friction;
 };
@@ -42,10 +43,8 @@ DenseContact makeContact(int groups, int gluing, bool floating, unsigned seed) {
   d.GT = DenseMatrix::Zero(n, floating ? 12 : 6);
   d.GT.bottomLeftCorner(gluing, 6) = random(gluing, 6);
   d.GT.topLeftCorner(contact, 6) = 0.1 * random(contact, 6);
-  d.Z = DenseMatrix::Zero(d.GT.cols(), 6);
-  d.Z.topRows(6).setIdentity();
+  d.Z = DenseMatrix::Zero(d.GT.cols(), floating ? 6 : 0);
   if (floating) {
-    d.Z.setZero();
     d.Z.bottomRows(6).setIdentity();
     for (int i = 0; i < groups; ++i) {  // rigid motions of a plane: translations, tilts, spin
       const double x = normal(rng), y = normal(rng);
@@ -104,7 +103,7 @@ struct Setup {
     o.GT = Teuchos::rcpFromRef(GT);
     o.GGT = rcp(new CoarseProblem(*map->getComm(), GT, {}, {}));
     o.e = d.e;
-    o.motions = d.Z.sparseView();
+    o.motions = d.Z;
     for (Eigen::Index j = 0; j < d.Z.cols(); ++j) o.holds.emplace_back(d.Z.col(j).sparseView());
     for (int row = 0; row < rows; ++row) {
       const auto global = map->getGlobalElement(row);

@@ -121,8 +121,16 @@ void FetiSystem::assemble() {
   bodies_ = std::make_unique<BodyMotions>(*model_.comm, model_.subdomains, *systems_, model_.numSubdomains, model_.data.bodyNames);
   const Eigen::VectorXd e = G_->restrictLoad(*f_, *systems_);
   const double loadScale = f_->norm2();
-  holds_ = holdUnheldMotions(findUnheldMotions(*model_.comm, G_->rows(), *bodies_), *bodies_, e, loadScale);
+  holds_ = holdUnheldMotions(motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing; }), *bodies_, e, loadScale);
+  floating_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing && isEquality(kind); });
   requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
+}
+
+template <class Holds>
+UnheldMotions FetiSystem::motionsUnheldBy(Holds&& holds) const {
+  std::vector<char> counts;
+  for (const RowKind kind : model_.multipliers->kinds()) counts.push_back(holds(kind));
+  return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
 }
 
 void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<PreconditionerKind> preconditioner) {

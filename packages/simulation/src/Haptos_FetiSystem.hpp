@@ -34,6 +34,7 @@ class FetiSystem {
   const LocalSystems& systems() const { return *systems_; }
   const BodyMotions& bodies() const { return *bodies_; }
   const CoarseProblem::Holds& holds() const { return holds_; }
+  const UnheldMotions& floatingMotions() const { return floating_; }  ///< of bodies that contact alone holds, if anything
   const Vector& f() const { return *f_; }
   const Vector& c() const { return *c_; }
   const DualProblem& dual() const { return dual_; }
@@ -45,6 +46,8 @@ class FetiSystem {
 
  private:
   void assembleLoads();
+  template <class Holds>
+  UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();
   RCP<const LocalSystems> assembleAgain(SurfaceOperators& surface, bool dense) const;
 
@@ -55,6 +58,7 @@ class FetiSystem {
   RCP<NaturalCoarseSpace> G_;
   std::unique_ptr<BodyMotions> bodies_;
   CoarseProblem::Holds holds_;
+  UnheldMotions floating_;
   RCP<Vector> f_, c_;
   std::vector<int> copies_;  ///< [mesh nodes] subdomains that share a node; only for nodal forces
   DualProblem dual_;

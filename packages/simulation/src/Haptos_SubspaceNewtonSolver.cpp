@@ -28,9 +28,9 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   o.GGT = dual.GGT;
   o.contactChangesGGT = true;
   o.e = dual.e;
-  o.motions = system.bodies().Z();
-  for (int body = 0; body < system.bodies().numBodies(); ++body)
-    for (int motion = 0; motion < 6; ++motion) o.holds.push_back(system.bodies().hold(body, motion));
+  const UnheldMotions& floating = system.floatingMotions();
+  o.motions = system.bodies().Z() * floating.basis;
+  o.holds = holdsFor(floating, system.bodies());
   o.pairs = system.law().pairs();
   const auto& kinds = system.jump().multipliers().kinds();
   for (std::size_t row = 0; row < kinds.size(); ++row)

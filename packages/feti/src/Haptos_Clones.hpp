@@ -1,0 +1,10 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+
+// Loops over a few dozen entries: the processor's widest registers pay, and a binary that runs anywhere is wanted.
+#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+#define HAPTOS_CLONES __attribute__((target_clones("arch=haswell", "default")))
+#else
+#define HAPTOS_CLONES
+#endif
+#define HAPTOS_INLINE inline __attribute__((always_inline))  // into every clone

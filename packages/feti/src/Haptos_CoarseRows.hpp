@@ -1,0 +1,22 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+
+namespace Haptos {
+
+/// Rows: owned dual rows of this rank; columns: all coarse unknowns, 6 x subdomain + mode (global).
+using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+/// \name Products with coarse rows C [m x l], which mostly have all six columns of a subdomain: those are taken at once.
+/// @{
+/// \brief C^T x [l]; rows where x is 0 are passed over.
+Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& x);
+/// \brief C a [m]
+Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& a);
+/// \brief C A [m x 2] in one pass.
+using TwoColumns = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+TwoColumns multiplyTwo(const CoarseRows& C, const TwoColumns& A);
+/// @}
+
+}  // namespace Haptos
