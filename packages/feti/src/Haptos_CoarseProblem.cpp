@@ -203,16 +203,23 @@ Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& chan
   return a;
 }
 
-Eigen::VectorXd CoarseProblem::Series::total() {
-  if (!problem_.condenses_) return total_;
+Eigen::VectorXd CoarseProblem::Series::last(const CoarseProblem& fixedAlone, const Eigen::VectorXd& changing) {
+  const bool shares = fixedAlone.condenses_ && first_.size() > 0;  // then what was eliminated first serves again
+  if (!shares) return fixedAlone.solveSum(mine_ + changing);
   const CoarsePlacement& placement = *problem_.placement_;
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
+  const Eigen::MatrixXd b = placement.sum(Eigen::VectorXd(changing - first_));
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
-    eliminated_.bottomRows(schurTotal_.size()) = schurTotal_;
-    a = problem_.condensed_->elimination()->substituteBack(eliminated_);
+    const CondensedFactor& factor = *fixedAlone.condensed_;
+    const CoarseElimination& fixed = *factor.elimination();
+    const Eigen::Index n = factor.schurSize();
+    for (Eigen::Index i = a.rows() - n; i < a.rows(); ++i) eliminated_(i, 0) += b(fixed.order()[std::size_t(i)], 0);
+    factor.solveSchur(eliminated_.bottomRows(n));
+    a = fixed.substituteBack(eliminated_);
   }
   placement.broadcast(a);
+  fixedAlone.count(1);
   return a;
 }
 

@@ -47,9 +47,6 @@ class CoarseProblem {
   /// \throws std::runtime_error on all ranks if A is not positive definite.
   void renew(const Weighted& changing);
 
-  /// \brief C^T diag(q) C a of the fixed rows, without holds, where the factor is held; empty elsewhere.  Needs renewals.
-  Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
-
   /// \brief x := A^-1 b; b is the same on all ranks, so is x.  Collective where not every rank has the factor.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& b) const;
 
@@ -60,7 +57,7 @@ class CoarseProblem {
 
   /// \brief Solutions a_k of A a_k = b_k - C^T diag(q) C of the fixed rows (a_1 + ... + a_k-1), b_k given one after the other.
   ///
-  /// All b_k are the first one up to what changing rows add: a condensed factor needs the other unknowns for the first
+  /// All b_k are the first one up to what changing rows add: a condensed factor eliminates the others for the first
   /// only, which saves most of the following solves.  In those it counts the holds, which are weak, as fixed.
   class Series {
    public:
@@ -69,8 +66,10 @@ class CoarseProblem {
     Series(const CoarseProblem& problem, Eigen::VectorXd mine);
     /// \brief a_k [l], right where changing rows may touch.  \param changing [l] this rank's other part of b_k.  Collective.
     Eigen::VectorXd next(const Eigen::VectorXd& changing);
-    /// \brief The sum of the a_k [l], right everywhere; after it `next` must not be called.  Collective.
-    Eigen::VectorXd total();
+    /// \brief The solution [l] for the fixed rows alone, right everywhere; nothing must be called after it.
+    ///
+    /// \param fixedAlone was made from the problem.  \param changing as above.  Collective.
+    Eigen::VectorXd last(const CoarseProblem& fixedAlone, const Eigen::VectorXd& changing);
 
    private:
     Eigen::VectorXd nextCondensed(const Eigen::VectorXd& changing);
@@ -90,6 +89,7 @@ class CoarseProblem {
   void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
   void addHolds(const CoarseBlocks& pattern, const Holds& holds);
+  Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
   void factor(const CoarseBlocks& changing);
   void factorWhole(const CoarseBlocks& changing);
   void factorCondensed(const CoarseBlocks& changing);

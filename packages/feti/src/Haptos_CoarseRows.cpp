@@ -26,20 +26,6 @@ inline void forEachRun(const CoarseRows& C, Eigen::Index row, Run&& run, One&& o
   }
 }
 
-template <class Result, class Argument>
-Result product(const CoarseRows& C, const Argument& A) {
-  TEUCHOS_ASSERT(C.isCompressed() && A.rows() == C.cols());
-  using Row = Eigen::Matrix<double, 1, Result::ColsAtCompileTime>;
-  Result result(C.rows(), A.cols());
-  for (Eigen::Index row = 0; row < C.rows(); ++row) {
-    Row sum = Row::Zero();
-    forEachRun(C, row, [&](int first, const auto& values) { sum.noalias() += values.transpose() * A.template middleRows<kModes>(first); },
-               [&](int column, double value) { sum += value * A.row(column); });
-    result.row(row) = sum;
-  }
-  return result;
-}
-
 }  // namespace
 
 Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& x) {
@@ -54,7 +40,16 @@ Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const E
   return y;
 }
 
-Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& a) { return product<Eigen::VectorXd>(C, a); }
-TwoColumns multiplyTwo(const CoarseRows& C, const TwoColumns& A) { return product<TwoColumns>(C, A); }
+Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& a) {
+  TEUCHOS_ASSERT(C.isCompressed() && a.size() == C.cols());
+  Eigen::VectorXd y(C.rows());
+  for (Eigen::Index row = 0; row < C.rows(); ++row) {
+    double sum = 0;
+    forEachRun(C, row, [&](int first, const auto& values) { sum += values.dot(a.segment<kModes>(first)); },
+               [&](int column, double value) { sum += value * a[column]; });
+    y[row] = sum;
+  }
+  return y;
+}
 
 }  // namespace Haptos

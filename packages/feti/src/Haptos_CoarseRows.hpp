@@ -14,9 +14,6 @@ using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& x);
 /// \brief C a [m]
 Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& a);
-/// \brief C A [m x 2] in one pass.
-using TwoColumns = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
-TwoColumns multiplyTwo(const CoarseRows& C, const TwoColumns& A);
 /// @}
 
 }  // namespace Haptos

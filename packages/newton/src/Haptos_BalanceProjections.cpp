@@ -102,6 +102,7 @@ void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vecto
   Y.setFromTriplets(triplets.begin(), triplets.end());
   active_ = Y * contactRows_;
   coarse_.renew({active_, contactWeights_});
+  if (!gluingAlone_) gluingAlone_ = std::make_unique<CoarseProblem>(coarse_, gluing_.holds());
 }
 
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
@@ -115,9 +116,9 @@ void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
 }
 
 PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
-    : active_(active), gluingSum_(active.gluing_.sumGluing(z)), taken_(active.coarse_, gluingSum_) {}
+    : active_(active), taken_(active.coarse_, active.gluing_.sumGluing(z)) {}
 
-// Takes gluingSum + contactSum off by all active rows; returns what the contact values are to change by.
+// Takes G_E z_E + contactSum off by all active rows; returns what the contact values are to change by.
 Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
   const auto& weights = active_.contactWeights_;
   const Eigen::VectorXd a = taken_.next(contactSum);
@@ -131,12 +132,8 @@ Eigen::VectorXd PrimalBalance::project(const Eigen::VectorXd& contact) {
 Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(multiplyTransposed(active_.contactRows_, contact)); }
 
 void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
-  const Eigen::VectorXd mine = gluingSum_ + multiplyTransposed(active_.contactRows_, contact);
-  const Eigen::VectorXd a = taken_.total();
-  TwoColumns ab(a.size(), 2);
-  ab << a, active_.gluing_.solve(mine, active_.coarse_.multiplyFixed(a));
-  const TwoColumns spreads = multiplyTwo(active_.gluing_.GT(), ab);
-  z -= active_.weights_.cwiseProduct(spreads.col(0)) + spreads.col(1);
+  const Eigen::VectorXd a = taken_.last(*active_.gluingAlone_, multiplyTransposed(active_.contactRows_, contact));
+  z -= active_.weights_.cwiseProduct(multiply(active_.gluing_.GT(), a));
   active_.vectors_.setContact(z, contact);
 }
 

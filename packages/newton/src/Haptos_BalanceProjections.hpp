@@ -26,9 +26,6 @@ class GluingBalance {
 
   Eigen::VectorXd applyG(const Eigen::VectorXd& v) const;  ///< Collective
 
-  /// \brief b with G_E G_E^T b = sum over ranks of `mine` - `shift`.  Collective.
-  Eigen::VectorXd solve(const Eigen::VectorXd& mine, const Eigen::MatrixXd& shift) const { return EE_->solveSum(mine, shift); }
-
   /// \brief This rank's part of G_E v_E [l].
   Eigen::VectorXd sumGluing(const Eigen::VectorXd& v) const;
 
@@ -76,11 +73,12 @@ class ActiveCoarseProjection {
   std::vector<double> q_, contactWeights_;  // D of the rows, of the contact values
   CoarseRows contactRows_, active_;         // [3 pairs x l] G_c^T; weighted by the law
   CoarseProblem coarse_;
+  std::unique_ptr<CoarseProblem> gluingAlone_;  // of its fixed rows
 };
 
 /// \brief Balances a direction z while its contact values follow the law, G_A D G_A^T a = imbalance again and again.
 ///
-/// The gluing rows, which are most of all, are summed up once at the start and corrected once at the end; between,
+/// The gluing rows, which are most of all, are summed up once at the start and changed once at the end; between,
 /// G_E z_E is carried on by the coarse matrix of the gluing rows.
 class PrimalBalance {
  public:
@@ -93,15 +91,14 @@ class PrimalBalance {
   /// change by.  Collective.
   Eigen::VectorXd carry(const Eigen::VectorXd& contact);
 
-  /// \brief z with these contact values, balanced at last by the gluing rows alone: G z = 0.  Collective.
+  /// \brief z with these contact values, balanced by the gluing rows alone: G z = 0, D-weighted.  Collective.
   void finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z);
 
  private:
   Eigen::VectorXd spread(const Eigen::VectorXd& contactSum);
 
   const ActiveCoarseProjection& active_;
-  Eigen::VectorXd gluingSum_;    // [l] this rank's G_E z_E at the start
-  CoarseProblem::Series taken_;  // a: D G_E^T a is taken off so far
+  CoarseProblem::Series taken_;  // a: D G_A^T a is taken off so far
 };
 
 }  // namespace Haptos
