@@ -37,13 +37,33 @@ std::vector<int> subdomainsOf(const CoarseBlocks& blocks) {
   return subdomains;
 }
 
+// Of positive semidefinite matrices.
+double largestDiagonalOfSum(const CoarseBlocks& a, const CoarseBlocks& b) {
+  double largest = a.largestDiagonal();
+  for (const auto& [key, block] : b.blocks()) {
+    if (CoarseBlocks::row(key) != CoarseBlocks::column(key)) continue;
+    const auto other = a.blocks().find(key);
+    for (std::size_t i = 0; i < block.size(); i += kModes + 1)
+      largest = std::max(largest, block[i] + (other == a.blocks().end() ? 0.0 : other->second[i]));
+  }
+  return largest;
+}
+
+std::size_t blocksOfSum(const CoarseBlocks& a, const CoarseBlocks& b) {
+  std::size_t size = a.size();
+  for (const auto& [key, block] : b.blocks()) size += a.blocks().count(key) == 0;
+  return size;
+}
+
 }  // namespace
 
 CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std::vector<double>& q, const Holds& holds)
     : placement_(std::move(placement)), size_(C.cols()) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = std::make_shared<const CoarseBlocks>(sumUp({C, q}));
-  addHolds(*fixed_, holds);
+  CoarseCosts& costs = placement_->costs();
+  if (costs.setUps == 0 && placement_->holds()) costs.blocks = fixed_->size();
+  addHolds(holds, fixed_->largestDiagonal());
   factor({});
 }
 
@@ -52,28 +72,27 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = std::make_shared<const CoarseBlocks>(sumUp(fixed));
   const CoarseBlocks first = sumUp(changing);
-  CoarseBlocks pattern = *fixed_;
-  pattern.add(first);
-  addHolds(pattern, holds);
+  addHolds(holds, largestDiagonalOfSum(*fixed_, first));
+  CoarseCosts& costs = placement_->costs();
+  if (costs.setUps == 0 && placement_->holds()) costs.blocks = blocksOfSum(*fixed_, first);
   changing_ = subdomainsOf(first);
   Eigen::MatrixXd condenses(1, 1);
   condenses(0, 0) = CoarseElimination::pays(size_, kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
-  if (!condenses_) matrix_ = CoarseMatrix({&pattern, &held_}, size_);
-  if (when == Factor::Now) {
-    factor(first);
-    return;
+  if (!condenses_) {
+    matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
+    fixedMatrix_ = CoarseMatrix({fixed_.get()}, size_);
+    fixedMatrix_.set({fixed_.get()});
   }
-  fixedMatrix_ = CoarseMatrix({fixed_.get()}, size_);
-  fixedMatrix_.set({fixed_.get()});
+  if (when == Factor::Now) factor(first);
 }
 
 // Where no motion is to be held, the others are eliminated already.
 CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
     : placement_(whole.placement_), size_(whole.size_), fixed_(whole.fixed_) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
-  addHolds(*fixed_, holds);
+  addHolds(holds, fixed_->largestDiagonal());
   condenses_ = whole.condenses_ && holds.empty() && !whole.isHeld_;
   if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CondensedFactor>(whole.condensed_->elimination());
   factor({});
@@ -83,10 +102,8 @@ CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
 }
 
-void CoarseProblem::addHolds(const CoarseBlocks& pattern, const Holds& holds) {
-  CoarseCosts& costs = placement_->costs();
-  if (costs.setUps == 0 && placement_->holds()) costs.blocks = pattern.size();
-  held_.add(CoarseBlocks(holds), pattern.largestDiagonal());
+void CoarseProblem::addHolds(const Holds& holds, double scale) {
+  held_.add(CoarseBlocks(holds), scale);
   isHeld_ = !holds.empty();
 }
 

@@ -88,7 +88,7 @@ class CoarseProblem {
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
   void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
-  void addHolds(const CoarseBlocks& pattern, const Holds& holds);
+  void addHolds(const Holds& holds, double scale);
   Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
   void factor(const CoarseBlocks& changing);
   void factorWhole(const CoarseBlocks& changing);
@@ -98,8 +98,8 @@ class CoarseProblem {
   Eigen::Index size_;
   std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
   CoarseBlocks held_;
-  CoarseMatrix fixedMatrix_;   // made where something is to change
-  CoarseMatrix matrix_;        // made where nothing is condensed
+  CoarseMatrix fixedMatrix_;   // both made where nothing is condensed
+  CoarseMatrix matrix_;
   bool isHeld_ = false;        // on all ranks: there are holds
   bool condenses_ = false;     // on all ranks
   std::vector<int> changing_;  // subdomains to condense to, on the holders
