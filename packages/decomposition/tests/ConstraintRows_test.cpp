@@ -197,3 +197,15 @@ TEUCHOS_UNIT_TEST(ConstraintRows, RowsOfOneNodeOrPairHaveOneOwner) {
     if (owners.count(pair.geometry.primaryNode))
       TEST_EQUALITY(*owners[pair.geometry.primaryNode].begin(), scene.rows.owner[pair.normal]);
 }
+
+// Laws are evaluated where the pairs are owned: by the ranks of both bodies.
+TEUCHOS_UNIT_TEST(ConstraintRows, BothBodiesOwnPairs) {
+  SceneOptions options = clampedAtEnd();
+  options.subdomains = 9;
+  const Scene scene = makeScene(options);
+  std::array<int, 2> owned{0, 0};
+  for (const auto& pair : scene.rows.pairs) ++owned[std::size_t(scene.subdomains[std::size_t(scene.rows.owner[pair.normal])].body)];
+  out << owned[0] << " and " << owned[1] << " pairs\n";
+  const int all = owned[0] + owned[1];
+  TEST_ASSERT(all >= 4 && 3 * owned[0] >= all && 3 * owned[1] >= all);
+}
