@@ -76,7 +76,8 @@ class Lattice:
 
     def owner(self, node):
         other = self.opposite(node)
-        return self.rank_of[min(self.copies(node) + (self.copies(other) if other else []))]
+        group = self.copies(node) + (self.copies(other) if other else [])
+        return self.rank_of[max(group) if other and min(group) % 2 else min(group)]
 
 
 def imports(k, p, ranks):

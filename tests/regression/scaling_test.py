@@ -69,14 +69,18 @@ class Scaling(unittest.TestCase):
         self.assertFalse(all(model.agrees(row) for row in model.compare(summary, 2, 1)))
 
     def test_closed_form_of_slabs(self):
-        """Where ranks hold whole layers the lattice gives the formula of doc/scaling.md; the contact plane has no clamp."""
+        """Where ranks hold whole layers the lattice gives the formula of doc/scaling.md.
+
+        The contact plane has no clamp, and there both sides own rows.
+        """
         for k, p, ranks in ((1, 3, 2), (2, 1, 2), (2, 3, 4), (3, 2, 2), (3, 2, 6), (4, 2, 8)):
-            _, transposed = model.jump_traffic(k, p, ranks)
-            for rank, (messages, sent) in enumerate(transposed):
-                last = rank == ranks - 1
+            rows = model.imports(k, p, ranks)
+            self.assertTrue(all(abs(owner - user) == 1 for owner, user in rows), (k, p, ranks))
+            for rank in range(ranks - 1):
+                upwards, downwards = rows[rank, rank + 1], rows.get((rank + 1, rank), 0)
                 contact = 2 * (rank + 1) == ranks  # the contact surface is above this rank
-                self.assertEqual(messages, 0 if last else 1)
-                self.assertEqual(sent, 0 if last else model.slab_bytes(k, p, touches_clamp=not contact), (k, p, ranks, rank))
+                self.assertEqual(downwards > 0, contact)
+                self.assertEqual(8 * (upwards + downwards), model.slab_bytes(k, p, touches_clamp=not contact), (k, p, ranks, rank))
 
     def test_wrong_input(self):
         for arguments, part in (

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <string>
 
@@ -61,8 +60,8 @@ NodeCopies findCopies(const Mesh& mesh, const std::vector<Subdomain>& subdomains
   return result;
 }
 
-// Rows that share a node, or a contact pair, must be owned by one rank: their Gram matrix is local then.  Of the subdomains
-// that have a copy the one with the fewest so far owns them, pairs counted apart from gluing: a law costs more than an equation.
+// Rows that share a node, or a contact pair, must be owned by one rank: their Gram matrix is local then.  It is that of the
+// lowest subdomain; every other one of those leaves its pairs to the highest, as laws are work for both bodies' ranks.
 class Ownership {
  public:
   Ownership(const NodeCopies& copies, const std::vector<ContactInterface>& interfaces) : parent_(copies.offsets.size() - 1) {
@@ -70,41 +69,32 @@ class Ownership {
     std::vector<char> isPaired(parent_.size(), 0);
     for (const auto& interface : interfaces)
       for (const auto& pair : interface.pairs) {
-        isPaired[pair.secondaryNode] = 1;
         if (pair.primaryNode < 0) continue;
-        isPaired[pair.primaryNode] = 1;
+        isPaired[pair.primaryNode] = isPaired[pair.secondaryNode] = 1;
         parent_[root(pair.secondaryNode)] = root(pair.primaryNode);
       }
-    int subdomains = 0;
-    for (const Copy& copy : copies.copies) subdomains = std::max(subdomains, copy.subdomain + 1);
-    std::vector<int> nodesOf(std::size_t(subdomains), 0), pairsOf(nodesOf), candidates;
-    std::map<std::int64_t, std::vector<int>> groups;  // subdomains of paired nodes, by root
-    owner_.assign(parent_.size(), -1);
-    for (std::int64_t node = 0; node < std::int64_t(parent_.size()); ++node) {
-      std::vector<int>& list = isPaired[node] ? groups[root(node)] : candidates;
-      if (!isPaired[node]) list.clear();
-      for (int i = 0; i < copies.count(node); ++i) list.push_back(copies.begin(node)[i].subdomain);
-      if (!isPaired[node]) owner_[node] = takeLeast(list, nodesOf);
+    lowest_.assign(parent_.size(), -1);
+    highest_.assign(parent_.size(), -1);
+    for (std::size_t node = 0; node < parent_.size(); ++node) {
+      if (copies.count(std::int64_t(node)) == 0) continue;
+      const std::int64_t group = root(std::int64_t(node));
+      const int mine = copies.begin(std::int64_t(node))->subdomain;
+      lowest_[group] = lowest_[group] < 0 ? mine : std::min(lowest_[group], mine);
+      if (isPaired[node]) highest_[group] = std::max(highest_[group], (copies.begin(std::int64_t(node + 1)) - 1)->subdomain);
     }
-    for (const auto& [root, list] : groups) owner_[root] = takeLeast(list, pairsOf);
   }
-  int owner(std::int64_t node) { return owner_[root(node)]; }
+  int owner(std::int64_t node) {
+    const std::int64_t group = root(node);
+    return highest_[group] >= 0 && lowest_[group] % 2 == 1 ? highest_[group] : lowest_[group];
+  }
 
  private:
-  // The lowest of those that own least; -1: none.
-  static int takeLeast(const std::vector<int>& subdomains, std::vector<int>& owned) {
-    int least = -1;
-    for (int s : subdomains)
-      if (least < 0 || owned[s] < owned[least] || (owned[s] == owned[least] && s < least)) least = s;
-    if (subdomains.size() > 1) ++owned[least];  // a single one has no row of its own, or none to share
-    return least;
-  }
   std::int64_t root(std::int64_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
   std::vector<std::int64_t> parent_;
-  std::vector<int> owner_;  // by root
+  std::vector<int> lowest_, highest_;  // by root; -1: none
 };
 
 class RowBuilder {
