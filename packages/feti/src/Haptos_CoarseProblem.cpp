@@ -80,12 +80,13 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   condenses(0, 0) = CoarseElimination::pays(size_, kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
-  if (!condenses_) {
-    matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
+  if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
+  if (when == Factor::Now) {
+    factor(first);
+  } else if (!condenses_) {
     fixedMatrix_ = CoarseMatrix({fixed_.get()}, size_);
     fixedMatrix_.set({fixed_.get()});
   }
-  if (when == Factor::Now) factor(first);
 }
 
 // Where no motion is to be held, the others are eliminated already.

@@ -61,7 +61,7 @@ class CoarseProblem {
   /// only, which saves most of the following solves.  In those it counts the holds, which are weak, as fixed.
   class Series {
    public:
-    /// \param problem is kept by reference, and must not be renewed.
+    /// \param problem is kept by reference, was made with `Factor::WithRenewal`, and must not be renewed.
     /// \param mine [l] this rank's part of b_k that stays the same
     Series(const CoarseProblem& problem, Eigen::VectorXd mine);
     /// \brief a_k [l], right where changing rows may touch.  \param changing [l] this rank's other part of b_k.  Collective.
@@ -98,8 +98,8 @@ class CoarseProblem {
   Eigen::Index size_;
   std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
   CoarseBlocks held_;
-  CoarseMatrix fixedMatrix_;   // both made where nothing is condensed
-  CoarseMatrix matrix_;
+  CoarseMatrix fixedMatrix_;   // for a Series where nothing is condensed
+  CoarseMatrix matrix_;        // where nothing is condensed
   bool isHeld_ = false;        // on all ranks: there are holds
   bool condenses_ = false;     // on all ranks
   std::vector<int> changing_;  // subdomains to condense to, on the holders
