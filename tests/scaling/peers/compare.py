@@ -129,11 +129,14 @@ def compare_contact(program, n, name, script, goal, tolerance):  # minutes a run
           (peer["normal_force"], contact["normal_force"], peer["tangential_force"], tangential, 100 * tolerance, verdict(difference < tolerance)))
 
 
+PEERS = ["PETSc", "GetFEM", "CalculiX"]
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--haptos", default=str(HERE.parents[2] / "build/release/bin/haptos"))
     parser.add_argument("--elements", type=int, nargs="+", default=[16], choices=sorted(BRICKS), help="N, elements a unit length")
-    parser.add_argument("--peers", nargs="+", default=["PETSc", "GetFEM", "CalculiX"])
+    parser.add_argument("--peers", nargs="+", default=PEERS, choices=PEERS)
     parser.add_argument("--repeat", type=int, default=3, help="runs of PETSc and beside it, of which the fastest counts")
     options = parser.parse_args()
     found = available() & set(options.peers)
