@@ -97,6 +97,20 @@ bool isSmall(const Dense& error, const Dense& wanted, double tolerance = 1e-11) 
 
 }  // namespace
 
+// Whole subdomains, parts of one, and six columns across two.
+TEUCHOS_UNIT_TEST(CoarseRows, ProductsAreThoseOfDenseMatrices) {
+  Dense D = someColumns(5, 18);
+  D.row(0).tail(12).setZero();
+  D.row(1).head(3).setZero();
+  D.row(1).tail(9).setZero();
+  D(2, 7) = D(2, 9) = 0;
+  D.row(3).setZero();
+  const CoarseRows C = D.sparseView();
+  const Eigen::VectorXd x = someColumns(5, 1), a = someColumns(18, 1);
+  TEST_ASSERT(isSmall(multiplyTransposed(C, x) - D.transpose() * x, D.transpose() * x, 1e-14));
+  TEST_ASSERT(isSmall(multiply(C, a) - D * a, D * a, 1e-14));
+}
+
 TEUCHOS_UNIT_TEST(CoarseProblem, SameAnswerWhereverTheFactorLives) {
   const Model m;
   const Communicator& comm = *m.feti.comm;

@@ -21,7 +21,7 @@ class KktEstimator {
   double kkt() const { return kkt_; }  ///< at the last estimate, floor or not
 
  private:
-  KktErrors measure(const Vector& lambda, const Vector& s, double tolerance) const;  // equilibrium only where the rest passes
+  KktErrors measure(const Vector& lambda, const Vector& s) const;
   void renewScale(const Vector& lambda, const Vector& s);
 
   const FetiSystem& system_;
