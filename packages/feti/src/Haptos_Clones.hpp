@@ -2,8 +2,11 @@
 #pragma once
 
 // Loops over a few dozen entries: the processor's widest registers pay, and a binary that runs anywhere is wanted.
-#if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
-#define HAPTOS_CLONES __attribute__((target_clones("arch=haswell", "default")))
+// A level of the instruction set, not a processor's name: "arch=haswell" is taken on that one processor only.
+#if defined(__GNUC__) && __GNUC__ >= 12 && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+#define HAPTOS_CLONES __attribute__((target_clones("arch=x86-64-v3", "default")))
+#elif defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__linux__)
+#define HAPTOS_CLONES __attribute__((target_clones("avx2", "default")))
 #else
 #define HAPTOS_CLONES
 #endif

@@ -90,7 +90,7 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
       positionOf[c][std::size_t(boundary[i])] = int(unknowns_[c].size());
       unknowns_[c].push_back(int(i));
     }
-    if (isDense && !all.empty()) dense_[c] = preconditioner_->schurBlock(int(c), unknowns_[c]);
+    if (isDense && !all.empty()) dense_[c] = denseBlock(int(c));
     first_.push_back(size_);
     for (int member : members[c]) {
       if (nodes[member].empty()) continue;
@@ -110,18 +110,23 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
   }
 }
 
+// Single precision wherever M itself has it: the block is read several times an iteration.
+DenseSymmetric ContactBlock::denseBlock(int congruenceClass) const {
+  const bool shared = preconditioner_->systems().members()[std::size_t(congruenceClass)].size() > 1;
+  return {preconditioner_->schurBlock(congruenceClass, unknowns_[std::size_t(congruenceClass)]),
+          shared ? DenseSymmetric::Storage::Full : DenseSymmetric::Storage::Packed,
+          preconditioner_->isDouble(congruenceClass) ? DenseSymmetric::Precision::Double : DenseSymmetric::Precision::Single};
+}
+
 void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   for (std::size_t c = 0; c < unknowns_.size(); ++c) {
     if (active_[c].empty()) continue;
     Eigen::Map<Eigen::MatrixXd> part(t.data() + first_[c], Eigen::Index(unknowns_[c].size()), Eigen::Index(active_[c].size()));
     const Eigen::MatrixXd x = part;
-    if (dense_[c].size() > 0) {
-      part.noalias() = dense_[c] * x;
-    } else {
-      Eigen::MatrixXd y(x.rows(), x.cols());
-      preconditioner_->applySchur(int(c), x, y);
-      part = y;
-    }
+    Eigen::MatrixXd y(x.rows(), x.cols());
+    if (dense_[c].size() > 0) dense_[c].apply(x, y);
+    else preconditioner_->applySchur(int(c), x, y);
+    part = y;
   }
 }
 

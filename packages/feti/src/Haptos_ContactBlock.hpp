@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <Tpetra_Import.hpp>
 
+#include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 
 namespace Haptos {
@@ -40,6 +41,7 @@ class ContactBlock final : public Operator {
 
   void findNearRows();
   void findUnknowns(const std::vector<char>& isNear);
+  DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::VectorXd& t) const;
 
   RCP<const DualPreconditioner> preconditioner_;
@@ -52,7 +54,7 @@ class ContactBlock final : public Operator {
   std::vector<Entry> entries_;
   std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
-  std::vector<Eigen::MatrixXd> dense_;        // [classes] S_cc; empty where all of S is applied
+  std::vector<DenseSymmetric> dense_;         // [classes] S_cc; empty where all of S is applied
   std::vector<Eigen::Index> first_;           // [classes] of their part of the compact vector
   Eigen::Index size_ = 0;
 };

@@ -48,6 +48,9 @@ class DualPreconditioner final : public Operator {
   /// \brief S(c, c) of one class, `c` positions in its boundary list; symmetric.
   Eigen::MatrixXd schurBlock(int congruenceClass, const std::vector<int>& c) const { return surface_.block(congruenceClass, c); }
 
+  /// \brief Whether S of one class is kept in double precision.
+  bool isDouble(int congruenceClass) const { return surface_.isDouble(congruenceClass); }
+
   const JumpOperator& jump() const { return *jump_; }
   const RowGram& gram() const { return gram_; }
   const LocalSystems& systems() const { return *systems_; }

@@ -52,6 +52,27 @@ Eigen::SparseMatrix<double> extract(const Eigen::SparseMatrix<double>& K, const 
   return byRows.transpose();
 }
 
+/// Whether unknowns come in threes, those of a node in a row.
+bool areWholeNodes(const std::vector<int>& unknowns) {
+  if (unknowns.size() % 3 != 0) return false;
+  for (std::size_t i = 0; i < unknowns.size(); i += 3)
+    if (unknowns[i] % 3 != 0 || unknowns[i + 1] != unknowns[i] + 1 || unknowns[i + 2] != unknowns[i] + 2) return false;
+  return true;
+}
+
+/// Entries of a vector of `size` unknowns when its nodes are padded.
+Eigen::Index paddedSize(Eigen::Index size) { return size / 3 * NodeBlockMatrix::kPadded; }
+
+void pad(const Eigen::Ref<const Eigen::VectorXd>& x, double factor, Eigen::Ref<Eigen::VectorXf> padded) {
+  for (Eigen::Index i = 0, to = 0; i < x.size(); i += 3, to += NodeBlockMatrix::kPadded)
+    padded.segment<4>(to) << (factor * x.segment<3>(i)).cast<float>(), 0.0f;
+}
+
+void unpad(const Eigen::Ref<const Eigen::VectorXf>& padded, double factor, Eigen::Ref<Eigen::VectorXd> x) {
+  for (Eigen::Index i = 0, from = 0; i < x.size(); i += 3, from += NodeBlockMatrix::kPadded)
+    x.segment<3>(i) = factor * padded.segment<3>(from).cast<double>();
+}
+
 /// Orthonormal basis of the kernel of K_ii: the kernel vectors of K that vanish on b, seen on i.
 Eigen::MatrixXd interiorKernel(const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
                                const std::vector<int>& interior) {
@@ -77,7 +98,7 @@ LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::Matrix
                        const std::vector<int>& boundary, LocalSolverMethod method, FactorPrecision precision) {
   TEUCHOS_ASSERT(K.rows() == K.cols() && K.rows() == kernel.rows());
   const auto interior = complement(K.rows(), boundary);
-  keep(extract(K, boundary, boundary), extract(K, interior, boundary), precision);
+  keep(K, boundary, interior, precision);
   if (interior.empty()) return;
   const auto Z = interiorKernel(kernel, boundary, interior);
   interiorKernelSize_ = Z.cols();
@@ -88,23 +109,34 @@ LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::Matrix
 
 LocalSchur LocalSchur::lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision) {
   LocalSchur result;
-  result.keep(extract(K, boundary, boundary), {}, precision);
+  result.keep(K, boundary, {}, precision);
   return result;
 }
 
 LocalSchur::~LocalSchur() = default;
 LocalSchur::LocalSchur(LocalSchur&&) noexcept = default;
 
-void LocalSchur::keep(const Eigen::SparseMatrix<double>& Kbb, const Eigen::SparseMatrix<double>& Kib, FactorPrecision precision) {
-  size_ = Kbb.rows();
-  isSingle_ = precision == FactorPrecision::Single;
-  if (!isSingle_) {
-    double_ = {Kbb, Kib};
-    return;
-  }
-  const double largest = Kbb.nonZeros() > 0 ? Kbb.coeffs().abs().maxCoeff() : 0.0;
+void LocalSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
+                      FactorPrecision precision) {
+  size_ = Eigen::Index(boundary.size());
+  isSingle_ = precision == FactorPrecision::Single && areWholeNodes(boundary) && areWholeNodes(interior);
+  if (isSingle_) keepByNodes(K, boundary, interior);
+  else double_ = {extract(K, boundary, boundary), extract(K, interior, boundary)};
+}
+
+void LocalSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior) {
+  double largest = 0;  // of K_bb, positive semidefinite
+  for (int i : boundary) largest = std::max(largest, K.coeff(i, i));
   if (largest > 0) scale_ = largest;
-  single_ = {(Kbb / scale_).cast<float>(), (Kib / scale_).cast<float>()};
+  const std::size_t nodes = std::size_t(K.rows() / 3);
+  std::vector<int> onBoundary(nodes, -1), inside(nodes, -1), columns;
+  for (std::size_t i = 0; i < boundary.size(); i += 3) {
+    onBoundary[std::size_t(boundary[i] / 3)] = int(i / 3);
+    columns.push_back(boundary[i] / 3);
+  }
+  for (std::size_t i = 0; i < interior.size(); i += 3) inside[std::size_t(interior[i] / 3)] = int(i / 3);
+  single_.Kbb = NodeBlockMatrix(K, onBoundary, columns, int(columns.size()), scale_, true);
+  single_.Kib = NodeBlockMatrix(K, inside, columns, int(interior.size() / 3), scale_, false);
 }
 
 Eigen::Index LocalSchur::size() const { return size_; }
@@ -114,55 +146,72 @@ void LocalSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Ei
   TEUCHOS_ASSERT(X.rows() == size() && Y.rows() == size() && X.cols() == Y.cols());
   for (Eigen::Index first = 0; first < X.cols(); first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, X.cols() - first);
-    if (isSingle_) applyParts(single_, X.middleCols(first, width), Y.middleCols(first, width));
-    else applyParts(double_, X.middleCols(first, width), Y.middleCols(first, width));
+    if (isSingle_) applySingle(X.middleCols(first, width), Y.middleCols(first, width));
+    else applyDouble(X.middleCols(first, width), Y.middleCols(first, width));
   }
 }
 
 /// Y := K_bb X - K_bi K_ii^+ K_ib X; K_ib X lies in the range of K_ii, so any generalised inverse will do.
-template <class Scalar>
-void LocalSchur::applyParts(const Parts<Scalar>& parts, const Eigen::Ref<const Eigen::MatrixXd>& X,
-                            Eigen::Ref<Eigen::MatrixXd> Y) const {
-  using Matrix = Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic>;
+void LocalSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+  Y.noalias() = double_.Kbb.transpose() * X;  // symmetric; sums by columns write nothing but their result
+  if (!interior_) return;
+  const Eigen::MatrixXd force = double_.Kib * X;
+  Eigen::MatrixXd motion(force.rows(), force.cols());
+  interior_->solve(force, motion);
+  Y.noalias() -= double_.Kib.transpose() * motion;
+}
+
+void LocalSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   if (X.size() == 0) return;
-  const double largest = isSingle_ ? X.cwiseAbs().maxCoeff() : 1.0, unit = largest > 0 ? largest : 1.0;
-  const Matrix x = (X / unit).template cast<Scalar>();
-  Matrix y = parts.Kbb.transpose() * x;  // symmetric; sums by columns write nothing but their result
-  if (interior_) {
-    const Eigen::MatrixXd force = Matrix(parts.Kib * x).template cast<double>() * scale_;
-    Eigen::MatrixXd motion(force.rows(), force.cols());
-    interior_->solve(force, motion);
-    y.noalias() -= parts.Kib.transpose() * Matrix(motion.template cast<Scalar>());
+  const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
+  const Eigen::Index m = X.cols(), inside = interior_ ? interior_->rows() : 0;
+  Eigen::MatrixXf x(paddedSize(size()), m), y = Eigen::MatrixXf::Zero(x.rows(), m), f(paddedSize(inside), 1);
+  Eigen::MatrixXd force(inside, m), motion(inside, m);
+  for (Eigen::Index j = 0; j < m; ++j) {
+    pad(X.col(j), 1 / unit, x.col(j));
+    single_.Kbb.add(x.col(j).data(), y.col(j).data());
+    if (!interior_) continue;
+    f.setZero();
+    single_.Kib.add(x.col(j).data(), f.data());
+    unpad(f.col(0), scale_, force.col(j));
   }
-  Y = y.template cast<double>() * (scale_ * unit);
+  if (interior_) interior_->solve(force, motion);
+  for (Eigen::Index j = 0; j < m; ++j) {
+    if (interior_) {
+      pad(motion.col(j), 1, f.col(0));
+      single_.Kib.subtractTransposed(f.data(), y.col(j).data());
+    }
+    unpad(y.col(j), scale_ * unit, Y.col(j));
+  }
 }
 
 /// K_cc - K_ci K_ii^+ K_ic
-template <class Scalar>
-Eigen::MatrixXd LocalSchur::blockOf(const Parts<Scalar>& parts, const std::vector<int>& c) const {
+Eigen::MatrixXd LocalSchur::blockOf(const Parts& parts, const std::vector<int>& c) const {
   const Eigen::Index n = Eigen::Index(c.size());
   std::vector<int> position(std::size_t(size()), -1);
   for (Eigen::Index i = 0; i < n; ++i) position[std::size_t(c[std::size_t(i)])] = int(i);
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; ++j)
-    for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kbb, c[std::size_t(j)]); it; ++it)
-      if (position[std::size_t(it.row())] >= 0) S(position[std::size_t(it.row())], j) = scale_ * double(it.value());
+    for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kbb, c[std::size_t(j)]); it; ++it)
+      if (position[std::size_t(it.row())] >= 0) S(position[std::size_t(it.row())], j) = it.value();
   if (!interior_) return S;
   for (Eigen::Index first = 0; first < n; first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, n - first);
     Eigen::MatrixXd force = Eigen::MatrixXd::Zero(parts.Kib.rows(), width), motion(parts.Kib.rows(), width);
     for (Eigen::Index j = 0; j < width; ++j)
-      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kib, c[std::size_t(first + j)]); it; ++it)
-        force(it.row(), j) = scale_ * double(it.value());
+      for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kib, c[std::size_t(first + j)]); it; ++it)
+        force(it.row(), j) = it.value();
     interior_->solve(force, motion);
     for (Eigen::Index i = 0; i < n; ++i)
-      for (typename Eigen::SparseMatrix<Scalar>::InnerIterator it(parts.Kib, c[std::size_t(i)]); it; ++it)
-        S.row(i).segment(first, width) -= scale_ * double(it.value()) * motion.row(it.row());
+      for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kib, c[std::size_t(i)]); it; ++it)
+        S.row(i).segment(first, width) -= it.value() * motion.row(it.row());
   }
   return 0.5 * (S + S.transpose());
 }
 
-Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const { return isSingle_ ? blockOf(single_, c) : blockOf(double_, c); }
+Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const {
+  return isSingle_ ? blockOf({single_.Kbb.expanded(), single_.Kib.expanded()}, c) : blockOf(double_, c);
+}
 
 Eigen::MatrixXd LocalSchur::dense() const {
   std::vector<int> all(std::size_t(size()), 0);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_LocalSolverFactor.hpp"
+#include "Haptos_NodeBlockMatrix.hpp"
 
 namespace Haptos {
 
@@ -16,8 +17,9 @@ namespace Haptos {
 /// interior (a kernel vector of K that vanishes on b) leaves K_ii singular; S exists all the same, and K_ii is
 /// then regularised as a floating subdomain is.  Nothing communicates.
 ///
-/// In single precision, which is enough for a preconditioner, it takes half the memory and time; entries and vectors are
-/// scaled, so that the range does not depend on the units.
+/// In single precision, which is enough for a preconditioner, it takes less than half the memory and time; entries and vectors
+/// are scaled, so that the range does not depend on the units. A boundary that does not consist of whole nodes, three unknowns
+/// in a row each, stays in double precision.
 ///
 /// Use: the Dirichlet preconditioner of FETI, Farhat, Mandel, Roux, Comput. Methods Appl. Mech. Engng. 115 (1994) 365.
 class LocalSchur {
@@ -48,21 +50,24 @@ class LocalSchur {
   Eigen::Index interiorKernelSize() const;  ///< dimension of the kernel of K_ii; 0 unless b does not hold i
 
  private:
-  template <class Scalar>
   struct Parts {
-    Eigen::SparseMatrix<Scalar> Kbb, Kib;
+    Eigen::SparseMatrix<double> Kbb, Kib;
+  };
+  struct NodeParts {
+    NodeBlockMatrix Kbb, Kib;
   };
   LocalSchur() = default;
-  void keep(const Eigen::SparseMatrix<double>& Kbb, const Eigen::SparseMatrix<double>& Kib, FactorPrecision precision);
-  template <class Scalar>
-  void applyParts(const Parts<Scalar>& parts, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
-  template <class Scalar>
-  Eigen::MatrixXd blockOf(const Parts<Scalar>& parts, const std::vector<int>& c) const;
+  void keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
+            FactorPrecision precision);
+  void keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior);
+  void applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+  void applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
+  Eigen::MatrixXd blockOf(const Parts& parts, const std::vector<int>& c) const;
 
-  Parts<double> double_;  // one of the two; the other is empty
-  Parts<float> single_;
+  Parts double_;      // one of the two; the other is empty
+  NodeParts single_;
   bool isSingle_ = false;
-  double scale_ = 1;      // of the single precision entries
+  double scale_ = 1;  // of the single precision entries
   Eigen::Index size_ = 0;
   Eigen::Index interiorKernelSize_ = 0;
   std::unique_ptr<LocalSolverFactor> interior_;  // null without interior unknowns

@@ -35,6 +35,7 @@ void SurfaceOperators::add(const LocalSystems& systems, const std::vector<Subdom
   made.boundary = dense ? dense->boundary() : surfaceDofs(subdomains[first]);
   made.diagonal = estimateDiagonal(K, made.boundary, kind_);
   if (!exact) made.condensed = dense;
+  made.isDouble = exact;
   if (!made.condensed) {
     const FactorPrecision precision = exact ? FactorPrecision::Double : FactorPrecision::Single;
     made.schur = std::make_unique<LocalSchur>(kind_ == PreconditionerKind::Lumped

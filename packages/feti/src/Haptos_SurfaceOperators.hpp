@@ -31,6 +31,8 @@ class SurfaceOperators {
   void apply(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const;
   /// \brief S(c, c), `c` positions in the boundary list; symmetric.
   Eigen::MatrixXd block(int congruenceClass, const std::vector<int>& c) const;
+  /// \brief Whether S is kept in double precision.
+  bool isDouble(int congruenceClass) const { return classes_[congruenceClass].isDouble; }
   /// \brief Estimate of diag(S) from K_bb [boundary], the mean of a node's three: exact it costs a solve for every unknown and
   /// serves no better.
   const Eigen::VectorXd& diagonal(int congruenceClass) const { return classes_[congruenceClass].diagonal; }
@@ -41,6 +43,7 @@ class SurfaceOperators {
     Eigen::VectorXd diagonal;
     const LocalCondensation* condensed = nullptr;  // of the systems
     std::unique_ptr<LocalSchur> schur;             // null where condensed
+    bool isDouble = false;
   };
   PreconditionerKind kind_;
   LocalSolverMethod method_;

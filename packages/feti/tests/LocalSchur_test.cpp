@@ -2,6 +2,8 @@
 #include "Haptos_LocalSchur.hpp"
 
 #include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
+#include <array>
 
 #include "TestSubdomain.hpp"
 
@@ -27,8 +29,9 @@ Dense denseSchur(const Sparse& K, const std::vector<int>& boundary) {
   return sorted.topLeftCorner(nb, nb) - sorted.topRightCorner(nb, ni) * pinv * sorted.bottomLeftCorner(ni, nb);
 }
 
-/// Unknowns of the part's nodes that other parts have too.
-std::vector<int> interfaceUnknowns(const TestMesh& mesh, const std::vector<std::vector<int>>& parts, int mine) {
+/// Unknowns of the part's nodes that other parts have too; a node's in the order given.
+std::vector<int> interfaceUnknowns(const TestMesh& mesh, const std::vector<std::vector<int>>& parts, int mine,
+                                   const std::array<int, 3>& order = {2, 0, 1}) {
   std::map<int, std::set<int>> partsOf;
   for (int p = 0; p < int(parts.size()); ++p)
     for (const int e : parts[p])
@@ -37,7 +40,7 @@ std::vector<int> interfaceUnknowns(const TestMesh& mesh, const std::vector<std::
   int local = 0;
   for (const auto& [node, owners] : partsOf) {
     if (owners.count(mine) == 0) continue;
-    if (owners.size() > 1) unknowns.insert(unknowns.end(), {3 * local + 2, 3 * local, 3 * local + 1});
+    if (owners.size() > 1) unknowns.insert(unknowns.end(), {3 * local + order[0], 3 * local + order[1], 3 * local + order[2]});
     ++local;
   }
   return unknowns;
@@ -89,7 +92,8 @@ TEUCHOS_UNIT_TEST(LocalSchur, BlockIsThatOfTheWhole) {
 TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionInAnyUnits) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
-  const auto boundary = interfaceUnknowns(mesh, parts, 0);
+  auto boundary = interfaceUnknowns(mesh, parts, 0, {0, 1, 2});
+  std::rotate(boundary.begin(), boundary.begin() + 30, boundary.end());  // nodes in any order
   for (double E : {2e-60, 2e5, 2e60}) {
     const auto s = makeSubdomain(mesh, parts[0], E, 0.3);
     const Dense reference = denseSchur(s.K, boundary), X = 1e-70 * Dense::Random(Eigen::Index(boundary.size()), 3);
@@ -108,6 +112,33 @@ TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionInAnyUnits) {
       for (Eigen::Index j = 0; j < X.rows(); ++j) Kbb(i, j) = s.K.coeff(boundary[std::size_t(i)], boundary[std::size_t(j)]);
     TEST_COMPARE(difference(Y, Kbb * X), <=, 1e-6);
   }
+}
+
+// block() and dense() see the same entries as apply().
+TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionBlocksAreThoseOfTheProduct) {
+  const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
+  const auto parts = cutByMetis(mesh, 4);
+  const auto boundary = interfaceUnknowns(mesh, parts, 1, {0, 1, 2});
+  const auto s = makeSubdomain(mesh, parts[1], 2e5, 0.3);
+  const LocalSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
+  const Dense S = schur.dense(), identity = Dense::Identity(S.rows(), S.rows());
+  Dense Y(S.rows(), S.rows());
+  schur.apply(identity, Y);
+  TEST_COMPARE((Y - S).cwiseAbs().maxCoeff(), <=, 2e-6 * S.cwiseAbs().maxCoeff());
+  TEST_EQUALITY((S - S.transpose()).cwiseAbs().maxCoeff(), 0.0);
+  TEST_COMPARE(difference(S, denseSchur(s.K, boundary)), <=, 1e-5);
+}
+
+TEUCHOS_UNIT_TEST(LocalSchur, PartsOfNodesStayInDoublePrecision) {
+  const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
+  const auto parts = cutByMetis(mesh, 4);
+  auto boundary = interfaceUnknowns(mesh, parts, 0, {0, 1, 2});
+  boundary.erase(boundary.begin() + 4);
+  const auto s = makeSubdomain(mesh, parts[0], 2e5, 0.3);
+  const LocalSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
+  TEST_COMPARE(difference(schur.dense(), denseSchur(s.K, boundary)), <=, 1e-5);
+  const LocalSchur lumped = LocalSchur::lumped(s.K, boundary, FactorPrecision::Single);
+  TEST_COMPARE(difference(lumped.dense(), LocalSchur::lumped(s.K, boundary, FactorPrecision::Double).dense()), ==, 0.0);
 }
 
 TEUCHOS_UNIT_TEST(LocalSchur, OneElementHasNoInterior) {

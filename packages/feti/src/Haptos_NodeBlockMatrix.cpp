@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_NodeBlockMatrix.hpp"
+
+#include <cstring>
+
+#include "Haptos_Clones.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr int kBlock = 9;
+typedef float Quad __attribute__((vector_size(16)));
+
+HAPTOS_INLINE Quad load(const float* from) {
+  Quad q;
+  std::memcpy(&q, from, sizeof q);
+  return q;
+}
+
+HAPTOS_INLINE void store(const Quad& q, float* to) { std::memcpy(to, &q, sizeof q); }
+
+struct BlockView {
+  int columns;
+  const int *starts, *row;
+  const float* entries;
+};
+
+HAPTOS_INLINE void addBlock(const float* block, const Quad& x0, const Quad& x1, const Quad& x2, float* y) {
+  store(load(y) + load(block) * x0 + load(block + 3) * x1 + load(block + 6) * x2, y);
+}
+
+// y += A x; with `both` also the transposed blocks, but those of the diagonal, which come first in their columns.
+template <bool both>
+HAPTOS_INLINE void addColumns(const BlockView& A, const float* x, float* y) {
+  for (int j = 0; j < A.columns; ++j) {
+    const float* own = x + 4 * j;
+    const Quad x0 = Quad{} + own[0], x1 = Quad{} + own[1], x2 = Quad{} + own[2];
+    Quad sum0{}, sum1{}, sum2{};
+    int k = A.starts[j];
+    if (both) addBlock(A.entries + kBlock * std::size_t(k++), x0, x1, x2, y + 4 * j);
+    for (; k < A.starts[j + 1]; ++k) {
+      const float* block = A.entries + kBlock * std::size_t(k);
+      const int i = 4 * A.row[k];
+      addBlock(block, x0, x1, x2, y + i);
+      if (!both) continue;
+      const Quad other = load(x + i);
+      sum0 += load(block) * other;
+      sum1 += load(block + 3) * other;
+      sum2 += load(block + 6) * other;
+    }
+    if (!both) continue;
+    for (int r = 0; r < 3; ++r) {
+      y[4 * j] += sum0[r];
+      y[4 * j + 1] += sum1[r];
+      y[4 * j + 2] += sum2[r];
+    }
+  }
+}
+
+HAPTOS_CLONES void addGeneral(const BlockView& A, const float* x, float* y) { addColumns<false>(A, x, y); }
+HAPTOS_CLONES void addSymmetric(const BlockView& A, const float* x, float* y) { addColumns<true>(A, x, y); }
+
+HAPTOS_CLONES void subtractTransposedColumns(const BlockView& A, const float* x, float* y) {
+  for (int j = 0; j < A.columns; ++j) {
+    Quad sum0{}, sum1{}, sum2{};
+    for (int k = A.starts[j]; k < A.starts[j + 1]; ++k) {
+      const float* block = A.entries + kBlock * std::size_t(k);
+      const Quad other = load(x + 4 * A.row[k]);
+      sum0 += load(block) * other;
+      sum1 += load(block + 3) * other;
+      sum2 += load(block + 6) * other;
+    }
+    for (int r = 0; r < 3; ++r) {
+      y[4 * j] -= sum0[r];
+      y[4 * j + 1] -= sum1[r];
+      y[4 * j + 2] -= sum2[r];
+    }
+  }
+}
+
+}  // namespace
+
+NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rowOf, const std::vector<int>& columns,
+                                 int rows, double unit, bool symmetric)
+    : rows_(rows), symmetric_(symmetric), unit_(unit) {
+  using Entry = Eigen::SparseMatrix<double>::InnerIterator;
+  std::vector<int> blockOf(std::size_t(rows), -1);  // of a row in this column, if it is not older than the column
+  const auto isWanted = [&](int row, std::size_t column) { return row >= 0 && (!symmetric || row >= int(column)); };
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    const int first = int(row_.size());
+    const auto addRow = [&](int row) {
+      if (!isWanted(row, j) || blockOf[std::size_t(row)] >= first) return;
+      blockOf[std::size_t(row)] = int(row_.size());
+      row_.push_back(row);
+    };
+    if (symmetric) addRow(int(j));
+    for (int c = 0; c < 3; ++c)
+      for (Entry it(K, 3 * columns[j] + c); it; ++it) addRow(rowOf[std::size_t(it.row() / 3)]);
+    entries_.resize(kBlock * row_.size(), 0.0f);
+    for (int c = 0; c < 3; ++c)
+      for (Entry it(K, 3 * columns[j] + c); it; ++it) {
+        const int row = rowOf[std::size_t(it.row() / 3)];
+        if (isWanted(row, j))
+          entries_[std::size_t(kBlock * blockOf[std::size_t(row)] + 3 * c) + std::size_t(it.row() % 3)] = float(it.value() / unit);
+      }
+    starts_.push_back(int(row_.size()));
+  }
+  entries_.push_back(0.0f);
+  entries_.shrink_to_fit();
+  row_.shrink_to_fit();
+}
+
+void NodeBlockMatrix::add(const float* x, float* y) const {
+  const BlockView A{int(starts_.size()) - 1, starts_.data(), row_.data(), entries_.data()};
+  if (symmetric_) addSymmetric(A, x, y);
+  else addGeneral(A, x, y);
+}
+
+void NodeBlockMatrix::subtractTransposed(const float* x, float* y) const {
+  subtractTransposedColumns({int(starts_.size()) - 1, starts_.data(), row_.data(), entries_.data()}, x, y);
+}
+
+Eigen::SparseMatrix<double> NodeBlockMatrix::expanded() const {
+  const int columns = int(starts_.size()) - 1;
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (int j = 0; j < columns; ++j)
+    for (int k = starts_[std::size_t(j)]; k < starts_[std::size_t(j) + 1]; ++k)
+      for (int e = 0; e < kBlock; ++e) {
+        const int row = 3 * row_[std::size_t(k)] + e % 3, column = 3 * j + e / 3;
+        const double value = unit_ * double(entries_[std::size_t(kBlock * k + e)]);
+        triplets.emplace_back(row, column, value);
+        if (symmetric_ && row_[std::size_t(k)] != j) triplets.emplace_back(column, row, value);
+      }
+  Eigen::SparseMatrix<double> A(3 * rows_, 3 * columns);
+  A.setFromTriplets(triplets.begin(), triplets.end());
+  return A;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: BSD-3-Clause
+"""How time and memory grow with the mesh, and what a second rank gains: two beams on METIS subdomains of constant size.
+
+    growth.py [--elements 12 24 48] [--ranks 1 2] [--repeat 2] [--rest 8] [--haptos PROGRAM]
+
+N elements a unit length, 4 N^3 in all. Every run starts after the same rest. A virtual machine gives memory that lies free back to its
+host, within a second or two, and gets it again at 1 to 4 s a gigabyte: without a rest a small run, repeated, is given the
+warm pages of the one before, which a large one never is, and the two are not to be compared. Of `--repeat` rounds over all sizes the
+fastest of each size counts. Not part of ctest.
+"""
+import argparse
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+
+HERE = pathlib.Path(__file__).resolve().parent
+INPUT = HERE / "peers" / "beams.xml"
+PHASES = ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover", "write", "total")
+ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
+
+
+def run(options, n, ranks):
+    """Summary of one run, after a rest."""
+    time.sleep(options.rest)
+    with tempfile.TemporaryDirectory() as folder:
+        summary = os.path.join(folder, "s.json")
+        command = [] if ranks == 1 else ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
+        command += [options.haptos, str(INPUT), "--summary", summary, "--output", os.path.join(folder, "r.exo")]
+        for name, value in (("Subdomains Per Edge", 1), ("Elements Per Subdomain Edge", n)):
+            command += ["--set", "Mesh->Two Beams->%s=%d" % (name, value)]
+        done = subprocess.run(command, env={**os.environ, **ENVIRONMENT}, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit("growth: N = %d on %d ranks: exit status %d: %s" % (n, ranks, done.returncode, done.stderr.strip()[:300]))
+        return json.loads(pathlib.Path(summary).read_text())
+
+
+def line_of(n, ranks, runs):
+    """Fastest seconds of every phase, and what does not change from run to run."""
+    first = runs[0]
+    seconds = {phase: min(r["time"][phase] for r in runs) for phase in PHASES}
+    unknowns, memory = first["model"]["primal_unknowns"], sum(first["memory"]["peak_rss_mb"])
+    print("%3d %5d %9d %6d %5d |" % (n, ranks, unknowns, first["model"]["subdomains"], first["solver"]["hessian_multiplications"]),
+          " ".join("%6.2f" % seconds[phase] for phase in PHASES[1:]), "| %8.1f %8.2f" %
+          (1e6 * seconds["total"] / unknowns, memory * 2**20 / 1e3 / unknowns), flush=True)
+    return {"seconds": seconds, "perUnknown": seconds["total"] / unknowns, "memory": memory / unknowns}
+
+
+def report(options, table):
+    least, most = min(options.elements), max(options.elements)
+    for ranks in options.ranks:
+        small, large = table[least, ranks], table[most, ranks]
+        if least < most:
+            print("N = %d to %d on %d ranks: time per unknown grows by %.2f (goal 1.4), memory per unknown by %.2f (goal 1.2)" %
+                  (least, most, ranks, large["perUnknown"] / small["perUnknown"], large["memory"] / small["memory"]))
+    base = min(options.ranks)
+    for n in options.elements:
+        for ranks in sorted(set(options.ranks) - {base}):
+            one, many = table[n, base]["seconds"], table[n, ranks]["seconds"]
+            print("N = %d: %d ranks are faster than %d by" % (n, ranks, base),
+                  ", ".join("%.2f in %s" % (one[phase] / many[phase], phase) for phase in ("factor", "solve", "total")))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--haptos", default=str(HERE.parents[1] / "build/release/bin/haptos"))
+    parser.add_argument("--elements", type=int, nargs="+", default=[12, 24, 48])
+    parser.add_argument("--ranks", type=int, nargs="+", default=[1])
+    parser.add_argument("--repeat", type=int, default=2)
+    parser.add_argument("--rest", type=float, default=8.0, metavar="SECONDS")
+    options = parser.parse_args()
+    if min(options.elements + options.ranks + [options.repeat]) < 1 or options.rest < 0:
+        parser.error("elements, ranks and repeats must be at least 1, the rest at least 0 seconds")
+    if not shutil.which(options.haptos):
+        parser.error("--haptos %s: no such program; build it (./bootstrap.sh build) or name it" % options.haptos)
+    runs = {}
+    for _ in range(options.repeat):
+        for n in options.elements:
+            for ranks in options.ranks:
+                runs.setdefault((n, ranks), []).append(run(options, n, ranks))
+    print("  N ranks  unknowns   subd  mult | " + " ".join("%6s" % phase[:6] for phase in PHASES[1:]) + " [s] | us/unkn kB/unkn")
+    report(options, {key: line_of(*key, found) for key, found in runs.items()})
+
+
+if __name__ == "__main__":
+    main()
