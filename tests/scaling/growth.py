@@ -4,10 +4,11 @@
 
     growth.py [--elements 12 24 48] [--ranks 1 2] [--repeat 2] [--rest 8] [--haptos PROGRAM]
 
-N elements a unit length, 4 N^3 in all. Every run starts after the same rest. A virtual machine gives memory that lies free back to its
-host, within a second or two, and gets it again at 1 to 4 s a gigabyte: without a rest a small run, repeated, is given the
-warm pages of the one before, which a large one never is, and the two are not to be compared. Of `--repeat` rounds over all sizes the
-fastest of each size counts. Not part of ctest.
+N elements a unit length, 4 N^3 in all; unknowns are counted with their copies, memory without that of a program without
+work. Every run starts after the same rest. A virtual machine gives memory that lies free back to its host, within a second or
+two, and gets it again at 1 to 4 s a gigabyte: without a rest a small run, repeated, is given the warm pages of the one before,
+which a large one never is, and the two are not to be compared. Of `--repeat` rounds over all sizes the fastest of each size
+counts. Not part of ctest.
 """
 import argparse
 import json
@@ -40,11 +41,11 @@ def run(options, n, ranks):
         return json.loads(pathlib.Path(summary).read_text())
 
 
-def line_of(n, ranks, runs):
-    """Fastest seconds of every phase, and what does not change from run to run."""
+def line_of(n, ranks, runs, base):
+    """Fastest seconds of every phase, and what does not change from run to run; `base`: megabytes of a program without work."""
     first = runs[0]
     seconds = {phase: min(r["time"][phase] for r in runs) for phase in PHASES}
-    unknowns, memory = first["model"]["primal_unknowns"], sum(first["memory"]["peak_rss_mb"])
+    unknowns, memory = first["model"]["primal_unknowns"], sum(first["memory"]["peak_rss_mb"]) - base
     print("%3d %5d %9d %6d %5d |" % (n, ranks, unknowns, first["model"]["subdomains"], first["solver"]["hessian_multiplications"]),
           " ".join("%6.2f" % seconds[phase] for phase in PHASES[1:]), "| %8.1f %8.2f" %
           (1e6 * seconds["total"] / unknowns, memory * 2**20 / 1e3 / unknowns), flush=True)
@@ -83,8 +84,9 @@ def main():
         for n in options.elements:
             for ranks in options.ranks:
                 runs.setdefault((n, ranks), []).append(run(options, n, ranks))
+    base = {ranks: sum(run(options, 1, ranks)["memory"]["peak_rss_mb"]) for ranks in options.ranks}
     print("  N ranks  unknowns   subd  mult | " + " ".join("%6s" % phase[:6] for phase in PHASES[1:]) + " [s] | us/unkn kB/unkn")
-    report(options, {key: line_of(*key, found) for key, found in runs.items()})
+    report(options, {key: line_of(*key, found, base[key[1]]) for key, found in runs.items()})
 
 
 if __name__ == "__main__":

@@ -13,6 +13,9 @@ using Pair = std::array<Real, 2>;
 
 Real square(Real t) { return t * t; }
 
+/// Squares of doubles are in the range of Real: no need of the scaling of std::hypot, which is slow in it.
+Real length(Real a, Real b) { return std::sqrt(square(a) + square(b)); }
+
 /// (x1/a1)^2 + (x2/a2)^2 for positive semi-axes.
 Real level(const Pair& x, const Pair& a) { return square(x[0] / a[0]) + square(x[1] / a[1]); }
 
@@ -37,7 +40,7 @@ struct Secular {
 Real secularRoot(const Pair& a, const Pair& x) {
   Secular psi{a, x};
   Real lo = std::max({Real(0), a[0] * (x[0] - a[0]), a[1] * (x[1] - a[1])});
-  Real hi = std::hypot(a[0] * x[0], a[1] * x[1]);
+  Real hi = length(a[0] * x[0], a[1] * x[1]);
   Real tau = lo;
   const Real eps = 2 * std::numeric_limits<Real>::epsilon();
   for (int it = 0; it < 200; ++it) {
@@ -66,8 +69,8 @@ void setBoundaryDerivatives(EllipseProjection& r, const Pair& x, const Pair& a, 
   const Pair p{shrink[0] * x[0], shrink[1] * x[1]};
   const Real unit = std::max(a[0], a[1]);
   Pair w{p[0] / a[0] * (unit / a[0]), p[1] / a[1] * (unit / a[1])};  // outward normal, proportional to a^-2 p
-  const Real length = std::hypot(w[0], w[1]);
-  w = {w[0] / length, w[1] / length};
+  const Real size = length(w[0], w[1]);
+  w = {w[0] / size, w[1] / size};
   const Pair e{-w[1], w[0]};
   // dP/dx = N - N w w^T N / (w^T N w) = sigma e e^T
   const Real sigma = shrink[0] * shrink[1] / (shrink[0] * w[0] * w[0] + shrink[1] * w[1] * w[1]);
@@ -84,9 +87,9 @@ void setBoundaryDerivatives(EllipseProjection& r, const Pair& x, const Pair& a, 
 EllipseProjection projectDegenerate(const Pair& x, const Pair& f, const Pair& a) {
   EllipseProjection r{{0, 0}, true, {{{0, 0}, {0, 0}}}, {0, 0}, 0, {0, 0}};
   if (a[0] <= 0 && a[1] <= 0) {  // g = 0 or both coefficients 0: one-sided limit from g > 0
-    const Real fx = std::hypot(f[0] * x[0], f[1] * x[1]), length = std::hypot(x[0], x[1]);
+    const Real fx = length(f[0] * x[0], f[1] * x[1]), size = length(x[0], x[1]);
     for (int i = 0; i < 2 && fx > 0; ++i) r.dPdg[i] = double(f[i] * (f[i] * x[i] / fx));
-    if (length > 0) r.tangent = {double(-x[1] / length), double(x[0] / length)};
+    if (size > 0) r.tangent = {double(-x[1] / size), double(x[0] / size)};
     return r;
   }
   const int j = a[0] > 0 ? 0 : 1;
