@@ -182,7 +182,8 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     const Eigen::VectorXd dy = system.solve();
     // The subspace does not carry this linearisation: new directions first.
     if (linear_ && step > 0 && std::hypot(std::sqrt(outside2), system.residual(dy)) > kForcing * current) break;
-    Trial full = at(y + dy), trial = full;
+    Trial trial = at(y + dy);
+    const double fullNorm = trial.norm;
     double t = 1;
     while (t > 1.0 / 40 && !(trial.norm < (1 - 1e-4 * t) * current)) trial = at(y + (t /= 2) * dy);
     bool descends = t > 1.0 / 40;
@@ -195,8 +196,9 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     }
     if (!descends) {
       // A full step without descent lets the active set move; bounded by the best residual so far.
-      if (step > 0 || !(linear_ || full.norm < 3 * bestNorm_)) break;
-      take(y + dy, std::move(full));
+      if (step > 0 || !(linear_ || fullNorm < 3 * bestNorm_)) break;
+      const Eigen::VectorXd whole = y + dy;
+      take(whole, at(whole));
       if (linear_) continue;
       break;
     }
