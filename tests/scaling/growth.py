@@ -21,9 +21,10 @@ import tempfile
 import time
 
 HERE = pathlib.Path(__file__).resolve().parent
-INPUT = HERE / "peers" / "beams.xml"
+sys.path.insert(0, str(HERE / "peers"))
+from compare import INPUT, ONE_THREAD, two_beams  # noqa: E402
+
 PHASES = ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover", "write", "total")
-ENVIRONMENT = {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1"}
 
 
 def run(options, n, ranks):
@@ -33,9 +34,8 @@ def run(options, n, ranks):
         summary = os.path.join(folder, "s.json")
         command = [] if ranks == 1 else ["mpirun", "--oversubscribe", "--bind-to", "none", "-n", str(ranks)]
         command += [options.haptos, str(INPUT), "--summary", summary, "--output", os.path.join(folder, "r.exo")]
-        for name, value in (("Subdomains Per Edge", 1), ("Elements Per Subdomain Edge", n)):
-            command += ["--set", "Mesh->Two Beams->%s=%d" % (name, value)]
-        done = subprocess.run(command, env={**os.environ, **ENVIRONMENT}, capture_output=True, text=True, check=False)
+        command += two_beams(1, n)
+        done = subprocess.run(command, env={**os.environ, **ONE_THREAD}, capture_output=True, text=True, check=False)
         if done.returncode != 0:
             sys.exit("growth: N = %d on %d ranks: exit status %d: %s" % (n, ranks, done.returncode, done.stderr.strip()[:300]))
         return json.loads(pathlib.Path(summary).read_text())
@@ -79,6 +79,8 @@ def main():
         parser.error("elements, ranks and repeats must be at least 1, the rest at least 0 seconds")
     if not shutil.which(options.haptos):
         parser.error("--haptos %s: no such program; build it (./bootstrap.sh build) or name it" % options.haptos)
+    if max(options.ranks) > 1 and not shutil.which("mpirun"):
+        parser.error("--ranks %d needs mpirun, which is not there" % max(options.ranks))
     runs = {}
     for _ in range(options.repeat):
         for n in options.elements:

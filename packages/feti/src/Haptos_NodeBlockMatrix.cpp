@@ -8,7 +8,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kBlock = 9;
+constexpr int kBlock = 9, kPadded = NodeBlockMatrix::kPadded;
 typedef float Quad __attribute__((vector_size(16)));
 
 HAPTOS_INLINE Quad load(const float* from) {
@@ -29,31 +29,36 @@ HAPTOS_INLINE void addBlock(const float* block, const Quad& x0, const Quad& x1, 
   store(load(y) + load(block) * x0 + load(block + 3) * x1 + load(block + 6) * x2, y);
 }
 
+/// Three entries of A^T x in the making: those of one column node.
+struct ColumnSums {
+  Quad sum[3] = {};
+
+  HAPTOS_INLINE void addBlock(const float* block, const Quad& x) {
+    for (int c = 0; c < 3; ++c) sum[c] += load(block + 3 * c) * x;
+  }
+  /// y += factor times them
+  HAPTOS_INLINE void addTo(float* y, float factor) const {
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) y[c] += factor * sum[c][r];
+  }
+};
+
 // y += A x; with `both` also the transposed blocks, but those of the diagonal, which come first in their columns.
 template <bool both>
 HAPTOS_INLINE void addColumns(const BlockView& A, const float* x, float* y) {
   for (int j = 0; j < A.columns; ++j) {
-    const float* own = x + 4 * j;
+    const float* own = x + kPadded * j;
     const Quad x0 = Quad{} + own[0], x1 = Quad{} + own[1], x2 = Quad{} + own[2];
-    Quad sum0{}, sum1{}, sum2{};
+    ColumnSums sums;
     int k = A.starts[j];
-    if (both) addBlock(A.entries + kBlock * std::size_t(k++), x0, x1, x2, y + 4 * j);
+    if (both) addBlock(A.entries + kBlock * std::size_t(k++), x0, x1, x2, y + kPadded * j);
     for (; k < A.starts[j + 1]; ++k) {
       const float* block = A.entries + kBlock * std::size_t(k);
-      const int i = 4 * A.row[k];
+      const int i = kPadded * A.row[k];
       addBlock(block, x0, x1, x2, y + i);
-      if (!both) continue;
-      const Quad other = load(x + i);
-      sum0 += load(block) * other;
-      sum1 += load(block + 3) * other;
-      sum2 += load(block + 6) * other;
+      if (both) sums.addBlock(block, load(x + i));
     }
-    if (!both) continue;
-    for (int r = 0; r < 3; ++r) {
-      y[4 * j] += sum0[r];
-      y[4 * j + 1] += sum1[r];
-      y[4 * j + 2] += sum2[r];
-    }
+    if (both) sums.addTo(y + kPadded * j, 1);
   }
 }
 
@@ -62,19 +67,10 @@ HAPTOS_CLONES void addSymmetric(const BlockView& A, const float* x, float* y) { 
 
 HAPTOS_CLONES void subtractTransposedColumns(const BlockView& A, const float* x, float* y) {
   for (int j = 0; j < A.columns; ++j) {
-    Quad sum0{}, sum1{}, sum2{};
-    for (int k = A.starts[j]; k < A.starts[j + 1]; ++k) {
-      const float* block = A.entries + kBlock * std::size_t(k);
-      const Quad other = load(x + 4 * A.row[k]);
-      sum0 += load(block) * other;
-      sum1 += load(block + 3) * other;
-      sum2 += load(block + 6) * other;
-    }
-    for (int r = 0; r < 3; ++r) {
-      y[4 * j] -= sum0[r];
-      y[4 * j + 1] -= sum1[r];
-      y[4 * j + 2] -= sum2[r];
-    }
+    ColumnSums sums;
+    for (int k = A.starts[j]; k < A.starts[j + 1]; ++k)
+      sums.addBlock(A.entries + kBlock * std::size_t(k), load(x + kPadded * A.row[k]));
+    sums.addTo(y + kPadded * j, -1);
   }
 }
 
@@ -111,17 +107,17 @@ NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std
 }
 
 void NodeBlockMatrix::add(const float* x, float* y) const {
-  const BlockView A{int(starts_.size()) - 1, starts_.data(), row_.data(), entries_.data()};
+  const BlockView A{numColumns(), starts_.data(), row_.data(), entries_.data()};
   if (symmetric_) addSymmetric(A, x, y);
   else addGeneral(A, x, y);
 }
 
 void NodeBlockMatrix::subtractTransposed(const float* x, float* y) const {
-  subtractTransposedColumns({int(starts_.size()) - 1, starts_.data(), row_.data(), entries_.data()}, x, y);
+  subtractTransposedColumns({numColumns(), starts_.data(), row_.data(), entries_.data()}, x, y);
 }
 
 Eigen::SparseMatrix<double> NodeBlockMatrix::expanded() const {
-  const int columns = int(starts_.size()) - 1;
+  const int columns = numColumns();
   std::vector<Eigen::Triplet<double>> triplets;
   for (int j = 0; j < columns; ++j)
     for (int k = starts_[std::size_t(j)]; k < starts_[std::size_t(j) + 1]; ++k)

@@ -33,6 +33,8 @@ class NodeBlockMatrix {
   Eigen::SparseMatrix<double> expanded() const;
 
  private:
+  int numColumns() const { return int(starts_.size()) - 1; }
+
   int rows_ = 0;
   bool symmetric_ = false;
   double unit_ = 1;
