@@ -210,7 +210,8 @@ Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& chan
       eliminated_ = fixed.eliminate(b);
       schurTotal_ = Eigen::VectorXd::Zero(n);
     }
-    Eigen::MatrixXd x = eliminated_.bottomRows(n) - fixed.multiplySchur(schurTotal_);
+    Eigen::MatrixXd x = eliminated_.bottomRows(n);
+    if (!isFirst) x -= fixed.multiplySchur(schurTotal_);
     for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(fixed.order()[std::size_t(others + i)], 0);
     factor.solveSchur(x);
     schurTotal_ += x;

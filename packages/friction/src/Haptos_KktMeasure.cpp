@@ -64,20 +64,30 @@ std::string KktErrors::worst() const {
   return std::max_element(std::begin(all), std::end(all), [](auto& a, auto& b) { return a.first < b.first; })->second;
 }
 
-double contactForceScale(const ContactLaw& law, const Vector& lambda, double load) {
-  double largest = 0, result = 0;
+double largestContactForce(const ContactLaw& law, const Vector& lambda) {
+  double largest = 0;
   forEachPair(law, lambda, lambda, [&](std::size_t, const Triple& l, const Triple&) {
     largest = std::max(largest, std::hypot(l[0], l[1], l[2]));
   });
-  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_MAX, largest, Teuchos::outArg(result));
-  return std::max(result, 1e-3 * load);
+  return largest;
+}
+
+double contactForceScale(double largestContactForce, double load) { return std::max(largestContactForce, 1e-3 * load); }
+
+double contactForceScale(const ContactLaw& law, const Vector& lambda, double load) {
+  double result = 0;
+  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_MAX, largestContactForce(law, lambda), Teuchos::outArg(result));
+  return contactForceScale(result, load);
 }
 
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, const KktScales& scales) {
-  const double lRef = contactForceScale(law, lambda, scales.load);
+  return measureContact(law, lambda, s, scales.uRef, contactForceScale(law, lambda, scales.load));
+}
+
+KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef) {
   double mine[5] = {0, 0, 0, 0, 0}, all[5];
   forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
-    const KktErrors e = measurePair(law.pairs()[i], l, jump, scales.uRef, lRef);
+    const KktErrors e = measurePair(law.pairs()[i], l, jump, uRef, lRef);
     const double values[5] = {e.penetration, e.compression, e.complementarity, e.cone, e.slipLaw};
     for (int k = 0; k < 5; ++k) mine[k] = std::max(mine[k], values[k]);
   });

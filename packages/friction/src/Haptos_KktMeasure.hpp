@@ -28,11 +28,18 @@ struct KktScales {
   double load = 0;   ///< largest nodal load or reaction [force]; l_ref = max(largest contact force, 1e-3 load)
 };
 
+/// \brief l_ref [force] from the largest contact force of all ranks.
+double contactForceScale(double largestContactForce, double load);
 /// \brief l_ref = max(largest nodal contact force, 1e-3 load).  Collective.
 double contactForceScale(const ContactLaw& law, const Vector& lambda, double load);
 
+/// \brief Largest contact force of this rank's pairs [force].
+double largestContactForce(const ContactLaw& law, const Vector& lambda);
+
 /// \brief The five contact errors from lambda [force] and s = B u - c [length]; the others stay 0.  Collective.
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, const KktScales& scales);
+/// \brief The same where l_ref is known.  Collective: one reduction.
+KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef);
 
 /// \brief The pair with the largest contact error: its error, interface and mesh node of its secondary side.  Collective.
 struct WorstPair {

@@ -6,8 +6,8 @@
 
 namespace Haptos {
 
-CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors)
-    : dual_(dual), vectors_(vectors) {}
+CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance)
+    : dual_(dual), vectors_(vectors), tolerance_(tolerance) {}
 
 void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                       const std::vector<TangentialModes>& modes) {
@@ -50,24 +50,28 @@ void CompliantPreconditioner::setModes(Eigen::VectorXd& x, Eigen::VectorXd modes
   vectors_.setContact(x, modes);
 }
 
-// (C^-1 + E^T M E) q = b by conjugate gradients.
+// (C^-1 + E^T M E) q = b by conjugate gradients.  The next r^T z follows from sums that are taken with this step's: it decides
+// how far to go, and is summed anew by the next step.
 Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& b) const {
-  constexpr double kTolerance = 1e-3;
   const Operator& M = dual_.contactM.is_null() ? *dual_.M : *dual_.contactM;
   Eigen::VectorXd q = Eigen::VectorXd::Zero(b.size()), r = b, z = r.cwiseQuotient(diagonal_), p = z;
-  double rz = vectors_.sum(r.dot(z));
-  const double target = kTolerance * kTolerance * rz;
-  for (int step = 0; step < kMaxSteps && rz > target; ++step) {
+  double target = -1;
+  for (int step = 0; step < kMaxSteps; ++step) {
     Eigen::VectorXd full = Eigen::VectorXd::Zero(vectors_.numRows());
     setModes(full, p);
     const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + toModes(vectors_.apply(M, full)).cwiseProduct(isCompliant_);
-    const double alpha = rz / vectors_.sum(p.dot(Ap));
+    const Eigen::VectorXd DAp = Ap.cwiseQuotient(diagonal_);
+    Eigen::Vector4d sums(r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp));
+    vectors_.sum(sums);
+    const double rz = sums[0];
+    if (rz == 0) break;
+    const double alpha = rz / sums[1], next = rz - 2 * alpha * sums[2] + alpha * alpha * sums[3];
     q += alpha * p;
+    if (step == 0) target = tolerance_ * tolerance_ * rz;
+    if (next <= target) break;
     r -= alpha * Ap;
     z = r.cwiseQuotient(diagonal_);
-    const double next = vectors_.sum(r.dot(z));
     p = z + (next / rz) * p;
-    rz = next;
   }
   return q;
 }

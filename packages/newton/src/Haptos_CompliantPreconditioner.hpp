@@ -19,13 +19,13 @@ namespace Haptos {
 /// Vectors are in the variables of the coarse projections, r_theta = sqrt(theta) r and z_theta = z / sqrt(theta).
 class CompliantPreconditioner {
  public:
-  /// References are kept.
-  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors);
+  /// References are kept.  \param tolerance of q, relative
+  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance);
 
   /// \param modes [pairs], valid where law.tangential.
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
-  /// \brief Collective: M, the contact rows of M, up to kMaxSteps times its contact block with two reductions each.
+  /// \brief Collective: M, the contact rows of M, up to kMaxSteps times its contact block with one reduction each.
   Eigen::VectorXd apply(const Eigen::VectorXd& r) const;
 
   static constexpr int kMaxSteps = 40;
@@ -37,6 +37,7 @@ class CompliantPreconditioner {
 
   const ContactOperators& dual_;
   const DualVectors& vectors_;
+  double tolerance_;
   std::vector<Eigen::Matrix2d> rotations_;  // [pairs] modes in columns
   Eigen::VectorXd isCompliant_, inverseC_, diagonal_, scale_;  // [3 pairs], in modes; scale_ = sqrt(theta)
   bool isNeeded_ = false;

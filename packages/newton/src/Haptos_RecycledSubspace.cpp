@@ -6,72 +6,92 @@
 
 namespace Haptos {
 
-void RecycledSubspace::clear() { size_ = permanent_ = 0; }
+RecycledSubspace::RecycledSubspace(const DualVectors& vectors, Eigen::Index maximum)
+    : vectors_(vectors), maximum_(maximum), V_(vectors.numRows()), Q_(Eigen::Index(vectors.gluingRows().size())) {}
+
+void RecycledSubspace::clear() {
+  size_ = permanent_ = 0;
+  V_.truncate(0);
+  Q_.truncate(0);
+}
 
 void RecycledSubspace::dropOldest() {
   const Eigen::Index kept = std::max<Eigen::Index>(1, 2 * maximum_ / 3 - 2), dropped = size_ - permanent_ - kept;
   if (dropped <= 0) return;
   ++compressions_;
-  const Eigen::MatrixXd V = V_.middleCols(permanent_ + dropped, kept);
-  std::vector<Eigen::VectorXd> jumps;
-  for (Eigen::Index j = 0; j < kept; ++j) jumps.push_back(combineS(Eigen::VectorXd::Unit(size_, permanent_ + dropped + j)));
+  std::vector<Eigen::VectorXd> multipliers, jumpsOf;
+  for (Eigen::Index j = permanent_ + dropped; j < size_; ++j) {
+    multipliers.push_back(V_.column(j));
+    jumpsOf.push_back(jumps(Eigen::VectorXd::Unit(size_, j)));
+  }
   size_ = permanent_;  // columns before stay as they are, with their Q and R
-  for (Eigen::Index j = 0; j < kept; ++j) add(V.col(j), jumps[std::size_t(j)]);
+  V_.truncate(size_);
+  Q_.truncate(size_);
+  for (std::size_t j = 0; j < jumpsOf.size(); ++j) add(multipliers[j], jumpsOf[j]);
 }
 
-Eigen::VectorXd RecycledSubspace::combineS(const Eigen::VectorXd& y) const {
-  Eigen::VectorXd s = Eigen::VectorXd::Zero(vectors_.numRows());
-  const Eigen::VectorXd q = R().triangularView<Eigen::Upper>() * y;
-  vectors_.setGluing(s, Q_.leftCols(size_) * q);
-  vectors_.setContact(s, Sc_.leftCols(size_) * y);
+Eigen::VectorXd RecycledSubspace::jumps(const Eigen::VectorXd& y) const {
+  Eigen::VectorXd s = Eigen::VectorXd::Zero(vectors_.numRows()), gluing = Eigen::VectorXd::Zero(Eigen::Index(vectors_.gluingRows().size()));
+  Q_.addProduct(R().triangularView<Eigen::Upper>() * y, gluing);
+  vectors_.setGluing(s, gluing);
+  vectors_.setContact(s, Sc() * y);
   return s;
 }
 
-void RecycledSubspace::grow() {
+void RecycledSubspace::addCombination(const Eigen::VectorXd& y, Eigen::VectorXd& lambda, Eigen::VectorXd& s) const {
+  V_.addProduct(y, lambda);
+  s += jumps(y);
+}
+
+void RecycledSubspace::growDense() {
   constexpr Eigen::Index kFirst = 32;  // most runs need no more
-  const Eigen::Index most = permanent_ + std::min(maximum_, kUnlimited - permanent_);
-  const Eigen::Index capacity = std::max(size_ + 1, std::min(most, std::max(kFirst, 2 * V_.cols())));
-  const auto resize = [&](Eigen::MatrixXd& m, Eigen::Index rows) { m.conservativeResize(rows, capacity); };
-  resize(V_, vectors_.numRows());
-  resize(Q_, Eigen::Index(vectors_.gluingRows().size()));
-  resize(R_, capacity);
-  resize(Vc_, 3 * vectors_.numPairs());
-  resize(Sc_, 3 * vectors_.numPairs());
+  const Eigen::Index capacity = std::max(kFirst, 2 * R_.cols());
+  R_.conservativeResize(capacity, capacity);
+  Vc_.conservativeResize(3 * vectors_.numPairs(), capacity);
+  Sc_.conservativeResize(3 * vectors_.numPairs(), capacity);
 }
 
-void RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
+// Classical Gram-Schmidt, again as long as most is taken off: what is left is then as good as its length.
+double RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
   constexpr double kDependent = 1e-13;
-  if (size_ == V_.cols()) grow();
+  constexpr int kPasses = 3;
   const Eigen::Index m = size_;
-  Eigen::VectorXd q = vectors_.gluing(s), coefficients = Eigen::VectorXd::Zero(m);
-  for (int pass = 0; pass < 2; ++pass) {
-    const Eigen::VectorXd d = projectGluing(q);
-    q -= Q_.leftCols(m) * d;
+  if (m == R_.cols()) growDense();
+  Eigen::VectorXd q = vectors_.gluing(s), coefficients = Eigen::VectorXd::Zero(m), sums(m + 2);
+  const double mine = s.squaredNorm();
+  double left2 = 0;
+  for (int pass = 0; pass < kPasses; ++pass) {
+    sums << Q_.transposedTimes(q), q.squaredNorm(), mine;
+    vectors_.sum(sums);
+    const Eigen::VectorXd d = sums.head(m);
+    Q_.addProduct(-d, q);
     coefficients += d;
+    left2 = std::max(0.0, sums[m] - d.squaredNorm());
+    if (left2 >= 0.5 * sums[m]) break;
   }
-  Eigen::Vector2d norms(q.squaredNorm(), s.squaredNorm());
-  vectors_.sum(norms);
-  const double norm = std::sqrt(norms[0]);
-  const bool independent = norm > kDependent * std::sqrt(norms[1]);
+  const double size = std::sqrt(sums[m + 1]), left = std::sqrt(left2);
+  if (size == 0) return 0;
+  const bool independent = left > kDependent * size;
   R_.row(m).head(m + 1).setZero();
-  R_.col(m).head(m) = coefficients;
-  R_(m, m) = independent ? norm : 0.0;
-  if (independent) Q_.col(m) = q / norm;
-  else Q_.col(m).setZero();
-  V_.col(m) = v;
-  Vc_.col(m) = vectors_.contact(v);
-  Sc_.col(m) = vectors_.contact(s);
+  R_.col(m).head(m) = coefficients / size;
+  R_(m, m) = independent ? left / size : 0.0;
+  Q_.append(independent ? Eigen::VectorXd(q / left) : Eigen::VectorXd::Zero(q.size()));
+  V_.append(v / size);
+  Vc_.col(m) = vectors_.contact(v) / size;
+  Sc_.col(m) = vectors_.contact(s) / size;
   largest_ = std::max(largest_, ++size_);
+  return size;
 }
 
-Eigen::VectorXd RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) const {
-  Eigen::VectorXd result = Q_.leftCols(size_).transpose() * gluing;
-  vectors_.sum(result);
-  return result;
+RecycledSubspace::Projected RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) const {
+  Eigen::VectorXd sums(size_ + 1);
+  sums << Q_.transposedTimes(gluing), gluing.squaredNorm();
+  vectors_.sum(sums);
+  return {sums.head(size_), sums[size_]};
 }
 
 double RecycledSubspace::memoryMb() const {
-  return double(V_.size() + Q_.size() + R_.size() + Vc_.size() + Sc_.size()) * sizeof(double) / (1 << 20);
+  return double(V_.bytes() + Q_.bytes() + std::size_t(R_.size() + Vc_.size() + Sc_.size()) * sizeof(double)) / (1 << 20);
 }
 
 }  // namespace Haptos

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "Haptos_ColumnBlocks.hpp"
 #include "Haptos_DualVectors.hpp"
 
 namespace Haptos {
@@ -14,7 +15,7 @@ namespace Haptos {
 class RecycledSubspace {
  public:
   /// \param maximum of pairs, the permanent ones not counted.
-  explicit RecycledSubspace(const DualVectors& vectors, Eigen::Index maximum = kUnlimited) : vectors_(vectors), maximum_(maximum) {}
+  explicit RecycledSubspace(const DualVectors& vectors, Eigen::Index maximum = kUnlimited);
 
   static constexpr Eigen::Index kUnlimited = 1 << 30;
 
@@ -32,30 +33,37 @@ class RecycledSubspace {
   /// Collective: the gluing parts are orthogonalised anew.
   void dropOldest();
 
-  /// \brief Appends a pair; classical Gram-Schmidt, done twice.  Collective: three reductions.
-  void add(const Eigen::VectorXd& v, const Eigen::VectorXd& s);
+  /// \brief Appends (v, s) / ||s||, or nothing where s = 0; returns ||s||.  Collective: one to three reductions, mostly two.
+  double add(const Eigen::VectorXd& v, const Eigen::VectorXd& s);
 
   auto R() const { return R_.topLeftCorner(size_, size_); }   ///< [m x m], upper triangular
   auto Vc() const { return Vc_.leftCols(size_); }             ///< [3 pairs x m] contact values of the v_j
   auto Sc() const { return Sc_.leftCols(size_); }             ///< [3 pairs x m] of the s_j
 
-  /// \brief Q^T times gluing rows [m], the same on all ranks.  Collective.
-  Eigen::VectorXd projectGluing(const Eigen::VectorXd& gluing) const;
+  struct Projected {
+    Eigen::VectorXd inside;  // Q^T times gluing rows [m], the same on all ranks
+    double norm2;            // of these rows, squared
+    double outside2() const { return std::max(0.0, norm2 - inside.squaredNorm()); }
+  };
+  /// \brief Gluing rows in the span of Q, and what is outside.  Collective: one reduction.
+  Projected projectGluing(const Eigen::VectorXd& gluing) const;
 
-  Eigen::VectorXd combineV(const Eigen::VectorXd& y) const { return V_.leftCols(size_) * y; }
-  Eigen::VectorXd combineS(const Eigen::VectorXd& y) const;
+  /// \brief (lambda, s) += sum of y_j (v_j, s_j).
+  void addCombination(const Eigen::VectorXd& y, Eigen::VectorXd& lambda, Eigen::VectorXd& s) const;
 
   double memoryMb() const;                               ///< on this rank
   Eigen::Index largestSize() const { return largest_; }  ///< since construction
   int compressions() const { return compressions_; }     ///< calls of dropOldest since construction
 
  private:
-  void grow();
+  void growDense();
+  Eigen::VectorXd jumps(const Eigen::VectorXd& y) const;
 
   const DualVectors& vectors_;
   Eigen::Index maximum_, size_ = 0, permanent_ = 0, largest_ = 0;
   int compressions_ = 0;
-  Eigen::MatrixXd V_, Q_, R_, Vc_, Sc_;  // S: Q R on gluing rows, Sc on contact rows
+  ColumnBlocks V_, Q_;         // s_j: Q R on gluing rows, Sc on contact rows
+  Eigen::MatrixXd R_, Vc_, Sc_;
 };
 
 }  // namespace Haptos

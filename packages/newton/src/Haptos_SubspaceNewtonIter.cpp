@@ -57,6 +57,11 @@ SubspaceNewtonIter::Trial SubspaceNewtonIter::evaluate(const Eigen::VectorXd& la
 
 void SubspaceNewtonIter::linearize(const NewtonState& state) {
   law_ = linearizeLaw(*pairs_, vectors_.contact(state.lambda), vectors_.contact(state.s), r_);
+  measure(state);
+}
+
+// law_ is that of the state already
+void SubspaceNewtonIter::measure(const NewtonState& state) {
   norm_ = std::sqrt(vectors_.sum(vectors_.gluing(state.s).squaredNorm() + law_.phi.squaredNorm()));
 }
 
@@ -79,12 +84,8 @@ SubspaceNewtonIter::SmallSystem SubspaceNewtonIter::smallSystem(const LawLineari
 void SubspaceNewtonIter::makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
   if (!subspace_.isFull()) return;
   subspace_.dropOldest();
-  const auto keep = [&](const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
-    const double size = vectors_.norm(s);
-    if (size > 0) subspace_.add(v / size, s / size);
-  };
-  if (origin_.lambda.size() == state.lambda.size()) keep(state.lambda - origin_.lambda, state.s - origin_.s);
-  keep(dLambda, dS);
+  if (origin_.lambda.size() == state.lambda.size()) subspace_.add(state.lambda - origin_.lambda, state.s - origin_.s);
+  subspace_.add(dLambda, dS);
 }
 
 void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
@@ -99,16 +100,13 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
   } else {
     v = direction_.compute(*pairs_, law_, {lambda, s, phi});
   }
-  const double length = vectors_.norm(v);
-  TEUCHOS_TEST_FOR_EXCEPTION(!std::isfinite(length), std::runtime_error,
-                             "subspace Newton: the direction is not finite; is a stiffness or load out of range?");
-  if (length > 0) v /= length;
   Eigen::VectorXd sv = -vectors_.apply(*dual_.F, v);
   balance_.removeRigidPart(sv);
-  const double size = vectors_.norm(sv);
   makeRoom(dLambda, dS, state);
-  if (size > 0) subspace_.add(v / size, sv / size);
-  if (nonlinear) planStep(length * size, sigma);
+  const double length = subspace_.add(v, sv);
+  TEUCHOS_TEST_FOR_EXCEPTION(!std::isfinite(length), std::runtime_error,
+                             "subspace Newton: the direction is not finite; is a stiffness or load out of range?");
+  if (nonlinear && length > 0) planStep(length, sigma);
 }
 
 // The whole step of the last direction, with the motions of floating bodies that bring the contact jumps nearest to -sigma.
@@ -127,16 +125,16 @@ void SubspaceNewtonIter::planStep(double length, const Eigen::VectorXd& sigma) {
 // Directions for the frozen linearisation until its residual is below the target.
 void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits& limits, double target) {
   const Eigen::VectorXd gluing = vectors_.gluing(state.s);
-  const double gluing2 = vectors_.sum(gluing.squaredNorm());
   Eigen::VectorXd dLambda = Eigen::VectorXd::Zero(state.lambda.size()), dS = dLambda;
   double residual = norm_;
   const auto solve = [&] {
-    const Eigen::VectorXd q = subspace_.projectGluing(gluing);
-    const SmallSystem system = smallSystem(law_, q);
+    const auto projected = subspace_.projectGluing(gluing);
+    const SmallSystem system = smallSystem(law_, projected.inside);
     const Eigen::VectorXd y = system.solve();
-    residual = std::hypot(std::sqrt(std::max(0.0, gluing2 - q.squaredNorm())), system.residual(y));
-    dLambda = subspace_.combineV(y);
-    dS = subspace_.combineS(y);
+    residual = std::hypot(std::sqrt(projected.outside2()), system.residual(y));
+    dLambda.setZero();
+    dS.setZero();
+    subspace_.addCombination(y, dLambda, dS);
   };
   if (subspace_.size() > 0) solve();
   for (int k = 0; (residual > target || (k == 0 && idle_)) && k < kMaxLinear && applications() < limits.maxApplications &&
@@ -155,9 +153,10 @@ bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) co
 
 // Gauss-Newton inside the subspace; returns the residual reached.
 double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
-  const Eigen::VectorXd lambda0 = vectors_.contact(state.lambda), s0 = vectors_.contact(state.s), gluing = vectors_.gluing(state.s);
-  const Eigen::VectorXd q0 = subspace_.projectGluing(gluing);
-  const double outside2 = std::max(0.0, vectors_.sum(gluing.squaredNorm()) - q0.squaredNorm());
+  const Eigen::VectorXd lambda0 = vectors_.contact(state.lambda), s0 = vectors_.contact(state.s);
+  const auto projected = subspace_.projectGluing(vectors_.gluing(state.s));
+  const Eigen::VectorXd& q0 = projected.inside;
+  const double outside2 = projected.outside2();
   const auto R = subspace_.R().triangularView<Eigen::Upper>();
   Eigen::VectorXd y = Eigen::VectorXd::Zero(subspace_.size()), q = q0;
   const auto at = [&](const Eigen::VectorXd& yNew) {
@@ -206,8 +205,7 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     take(yNew, std::move(trial));
     if (reduction > 0.98 && !linear_) break;
   }
-  state.lambda += subspace_.combineV(y);
-  state.s += subspace_.combineS(y);
+  subspace_.addCombination(y, state.lambda, state.s);
   return current;
 }
 
@@ -296,7 +294,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
     needsDirection = true;
     const double before = norm_;
     solveInSubspace(state);
-    linearize(state);
+    measure(state);  // the norm in the subspace is a difference
     chooseMode(before);
   }
   state = std::move(best);

@@ -52,6 +52,7 @@ class SubspaceNewtonIter {
   struct Trial;
 
   void linearize(const NewtonState& state);
+  void measure(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void planStep(double length, const Eigen::VectorXd& sigma);
   void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);

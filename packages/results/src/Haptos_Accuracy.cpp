@@ -96,20 +96,32 @@ LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const C
   return {std::sqrt(result[0]), result[1]};
 }
 
-LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda) {
+LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda) {
   const auto data = lambda.getData(0);
   std::map<std::int64_t, double> squared;  // mesh node -> |reaction|^2; all rows of a node lie on one rank
+  auto at = squared.end();                 // most rows follow others of their node
   for (std::size_t row = 0; row < multipliers.kinds().size(); ++row) {
     if (multipliers.kinds()[row] != RowKind::Dirichlet) continue;
+    const auto node = multipliers.nodes()[row];
+    if (at == squared.end() || at->first != node) at = squared.try_emplace(node, 0.0).first;
     const double copies = double(multipliers.ownedOffsets()[row + 1] - multipliers.ownedOffsets()[row]);
-    squared[multipliers.nodes()[row]] += copies * data[row] * data[row];  // each copy gets lambda / sqrt(copies)
+    at->second += copies * data[row] * data[row];  // each copy gets lambda / sqrt(copies)
   }
-  double sum = 0, largest = 0, all[2];
-  for (const auto& [node, value] : squared) sum += value, largest = std::max(largest, value);
+  LocalReactions result;
+  for (const auto& [node, value] : squared) {
+    result.squares += value;
+    result.largest = std::max(result.largest, std::sqrt(value));
+  }
+  return result;
+}
+
+LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda) {
+  const LocalReactions mine = localReactions(multipliers, lambda);
+  double squares = 0, largest = 0;
   const auto& comm = *lambda.getMap()->getComm();
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, sum, Teuchos::outArg(all[0]));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, largest, Teuchos::outArg(all[1]));
-  return {std::sqrt(all[0]), std::sqrt(all[1])};
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine.squares, Teuchos::outArg(squares));
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.largest, Teuchos::outArg(largest));
+  return {std::sqrt(squares), largest};
 }
 
 double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext) {

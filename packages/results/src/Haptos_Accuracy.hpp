@@ -15,6 +15,12 @@ struct LoadScales {
 /// Collective.
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm);
 
+/// \brief This rank's part of `measureReactions`: sum of squares [force^2] and largest.
+struct LocalReactions {
+  double squares = 0, largest = 0;
+};
+LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda);
+
 /// \brief 2-norm and largest nodal value of the reactions at prescribed displacements.  Collective.
 LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda);
 

@@ -18,40 +18,54 @@ void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
   floor_ = roundOffFloor(system_.systems(), system_.jump().primalOffsets(), *u, ext);
 }
 
-KktErrors KktEstimator::measure(const Vector& lambda, const Vector& s, double uRef) const {
-  const MultiplierMap& multipliers = system_.jump().multipliers();
-  const LoadScales reactions = measureReactions(multipliers, lambda);
-  KktErrors errors = measureContact(system_.law(), lambda, s, {uRef, std::max(loads_.largest, reactions.largest)});
-  const double ext = std::max(loads_.norm, reactions.norm);
-  const Eigen::MatrixXd imbalance = system_.dual().G->applyG(lambda) - system_.dual().e;
-  errors.equilibrium = ext > 0 ? imbalance.norm() / ext : 0.0;
-  // An orthonormal row of two copies is their difference over sqrt(2).
-  double mine = 0, largest = 0;
+KktEstimator::Sizes KktEstimator::measureSizes(const Vector& lambda, const Vector& s) const {
+  const auto& kinds = system_.jump().multipliers().kinds();
+  double mine[3] = {localReactions(system_.jump().multipliers(), lambda).largest, largestContactForce(system_.law(), lambda), 0}, all[3];
   const auto data = s.getData(0);
-  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
-    if (isEquality(multipliers.kinds()[row]))
-      mine = std::max(mine, std::abs(data[row]));
-  Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
-  errors.continuity = uRef > 0 ? std::sqrt(2.0) * largest / uRef : (largest > 0 ? 1.0 : 0.0);
-  return errors;
+  for (std::size_t row = 0; row < kinds.size(); ++row)
+    if (isEquality(kinds[row])) mine[2] = std::max(mine[2], std::abs(data[row]));
+  Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, 3, mine, all);
+  return {all[0], all[1], all[2]};
 }
 
-// No error falls when uRef does: what passes at a quarter of it passes at the scale of today, unless floating bodies came a long way.
-bool KktEstimator::passesAnyScale(const Vector& lambda, const Vector& s, double tolerance) const {
-  constexpr double kShrunk = 0.25;
-  return system_.floatingMotions().basis.cols() == 0 && measure(lambda, s, kShrunk * uRef_).kkt() <= tolerance;
+double KktEstimator::measureEquilibrium(const Vector& lambda) const {
+  const Eigen::VectorXd part = system_.dual().G->partOfG(lambda);
+  Eigen::VectorXd mine(part.size() + 1), all(part.size() + 1);
+  mine << part, localReactions(system_.jump().multipliers(), lambda).squares;
+  Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
+  const double ext = std::max(loads_.norm, std::sqrt(all[part.size()]));
+  return ext > 0 ? (all.head(part.size()) - system_.dual().e).norm() / ext : 0.0;
+}
+
+// All but equilibrium.  Collective: one reduction.
+double KktEstimator::errorsAt(double uRef, const Vector& lambda, const Vector& s, double jump) const {
+  KktErrors errors = measureContact(system_.law(), lambda, s, uRef, contactForce_);
+  // An orthonormal row of two copies is their difference over sqrt(2).
+  errors.continuity = uRef > 0 ? std::sqrt(2.0) * jump / uRef : (jump > 0 ? 1.0 : 0.0);
+  return errors.kkt();
+}
+
+double KktEstimator::hidden() const {
+  constexpr double kHidden = 0.1;        // of the floor, which is a bound: measured errors end at about this
+  constexpr double kLargestFloor = 1e-2;  // above it the state is a start without forces, not an answer hidden by round-off
+  return floor_ < kLargestFloor ? kHidden * floor_ : 0.0;
 }
 
 double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance) {
-  constexpr double kHidden = 0.1;        // of the floor, which is a bound: measured errors end at about this
-  constexpr double kLargestFloor = 1e-2;  // above it the state is a start without forces, not an answer hidden by round-off
-  const auto hidden = [&] { return floor_ < kLargestFloor ? kHidden * floor_ : 0.0; };
+  constexpr double kShrunk = 0.25;
   if (uRef_ < 0) renewScale(lambda, s);
-  kkt_ = measure(lambda, s, uRef_).kkt();
+  const Sizes sizes = measureSizes(lambda, s);
+  contactForce_ = contactForceScale(sizes.contactForce, std::max(loads_.largest, sizes.reaction));
+  kkt_ = errorsAt(uRef_, lambda, s, sizes.jump);
+  if (isBalanced_ && kkt_ > std::max(tolerance, hidden())) return kkt_;
+  const double equilibrium = measureEquilibrium(lambda);
+  kkt_ = std::max(kkt_, equilibrium);
   if (kkt_ > std::max(tolerance, hidden())) return kkt_;
-  if (kkt_ <= tolerance && passesAnyScale(lambda, s, tolerance)) return kkt_;
+  // No error falls when uRef does: what passes at a quarter of it passes at the scale of today, unless floating bodies came a long way.
+  const auto atAnyScale = [&] { return std::max(equilibrium, errorsAt(kShrunk * uRef_, lambda, s, sizes.jump)); };
+  if (kkt_ <= tolerance && system_.floatingMotions().basis.cols() == 0 && atAnyScale() <= tolerance) return kkt_;
   renewScale(lambda, s);
-  kkt_ = measure(lambda, s, uRef_).kkt();
+  kkt_ = std::max(equilibrium, errorsAt(uRef_, lambda, s, sizes.jump));
   return kkt_ <= hidden() ? std::min(kkt_, tolerance) : kkt_;
 }
 

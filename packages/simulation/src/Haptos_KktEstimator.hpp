@@ -12,23 +12,36 @@ namespace Haptos {
 /// elsewhere, from u.
 class KktEstimator {
  public:
-  KktEstimator(const FetiSystem& system, const LoadScales& loads) : system_(system), loads_(loads) {}
+  /// \brief Whether the method keeps G lambda = e by itself: equilibrium is then looked at only where all else passes.
+  enum class Balance { Kept, Sought };
 
-  /// \brief kkt, or `tolerance` where kkt is within what round-off hides (a tenth of the floor).  Collective.
+  KktEstimator(const FetiSystem& system, const LoadScales& loads, Balance balance)
+      : system_(system), loads_(loads), isBalanced_(balance == Balance::Kept) {}
+
+  /// \brief kkt, or `tolerance` where kkt is within what round-off hides (a tenth of the floor).
   ///
   /// Below the larger of both the displacement scale and the floor are renewed first, where that can matter.
+  /// Collective: two reductions, a third where equilibrium is looked at.
   double estimate(const Vector& lambda, const Vector& s, double tolerance);
 
-  double kkt() const { return kkt_; }  ///< at the last estimate, floor or not
+  double kkt() const { return kkt_; }                ///< at the last estimate, floor or not
+  double contactForce() const { return contactForce_; }  ///< l_ref at the last estimate [force]
 
  private:
-  KktErrors measure(const Vector& lambda, const Vector& s, double uRef) const;
-  bool passesAnyScale(const Vector& lambda, const Vector& s, double tolerance) const;
+  // Of all ranks; no displacement scale is needed for them.
+  struct Sizes {
+    double reaction = 0, contactForce = 0, jump = 0;  // largest reaction, contact force, jump of an equality row
+  };
+  Sizes measureSizes(const Vector& lambda, const Vector& s) const;
+  double measureEquilibrium(const Vector& lambda) const;
+  double errorsAt(double uRef, const Vector& lambda, const Vector& s, double jump) const;
+  double hidden() const;
   void renewScale(const Vector& lambda, const Vector& s);
 
   const FetiSystem& system_;
   const LoadScales& loads_;
-  double uRef_ = -1, floor_ = 0, kkt_ = 0;
+  bool isBalanced_;
+  double uRef_ = -1, floor_ = 0, kkt_ = 0, contactForce_ = 0;
 };
 
 }  // namespace Haptos

@@ -79,7 +79,7 @@ std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, dou
 }
 
 struct SmalseContactSolver::Impl {
-  explicit Impl(const SolverContext& context) : estimator(context.system, context.loads) {}
+  explicit Impl(const SolverContext& context) : estimator(context.system, context.loads, KktEstimator::Balance::Sought) {}
   KktEstimator estimator;
   RCP<MultiVector> x;
   std::unique_ptr<CoulombFixedPoint> fixedPoint;

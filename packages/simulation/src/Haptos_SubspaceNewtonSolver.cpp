@@ -38,6 +38,9 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   return o;
 }
 
+// Gluing rows balance all but the bodies that they do not hold.
+bool keepsBalance(const FetiSystem& system) { return system.floatingMotions().basis.cols() == 0; }
+
 }  // namespace
 
 struct SubspaceNewtonSolver::Impl {
@@ -54,7 +57,7 @@ struct SubspaceNewtonSolver::Impl {
 
   Impl(SolverContext c, int maximumPairs)
       : context(std::move(c)),
-        estimator(context.system, context.loads),
+        estimator(context.system, context.loads, keepsBalance(context.system) ? KktEstimator::Balance::Kept : KktEstimator::Balance::Sought),
         lambda(Teuchos::rcp(new MultiVector(*context.system.dual().lambdaIm, Teuchos::Copy))),
         problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this] { return makeDeflated(); }), lambda))) {
     auto list = Teuchos::parameterList();
@@ -62,7 +65,7 @@ struct SubspaceNewtonSolver::Impl {
     manager.setParameters(list);
     manager.setProblem(problem);
     manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance); });
-    manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record.isFinalLevel ? estimator.kkt() : record.residual, l); });
+    manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record, l); });
   }
 
   ContactOperators::Deflated makeDeflated() {
@@ -71,9 +74,11 @@ struct SubspaceNewtonSolver::Impl {
     return {deflated, deflated->contactBlock()};
   }
 
-  void keep(double residual, const Vector& l) {
+  void keep(const SubspaceNewtonRecord& record, const Vector& l) {
     const ContactLaw& law = context.system.law();
-    const auto states = countStates(law, l, contactForceScale(law, l, context.loads.largest));
+    const double force = record.isFinalLevel ? estimator.contactForce() : contactForceScale(law, l, context.loads.largest);
+    const auto states = countStates(law, l, force);
+    const double residual = record.isFinalLevel ? estimator.kkt() : record.residual;
     history.push_back({context.system.dual().F->applications(), residual, states[0], states[1], states[2]});
     if (context.progress) context.progress(history.back());
   }

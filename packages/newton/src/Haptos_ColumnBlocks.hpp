@@ -1,0 +1,58 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <algorithm>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief A tall matrix that grows by columns: a few columns to an allocation, nothing is moved, nothing stands empty for long.
+///
+/// Such pieces fit where an earlier phase has left memory; one array for all columns would be new pages (decisions/019).
+class ColumnBlocks {
+ public:
+  explicit ColumnBlocks(Eigen::Index rows) : rows_(rows) {}
+
+  Eigen::Index cols() const { return cols_; }
+
+  void append(const Eigen::VectorXd& column) {
+    if (cols_ == Eigen::Index(blocks_.size()) * kColumns) blocks_.emplace_back(rows_, kColumns);
+    blocks_[std::size_t(cols_ / kColumns)].col(cols_ % kColumns) = column;
+    ++cols_;
+  }
+
+  /// \brief Drops the columns from this one on.
+  void truncate(Eigen::Index cols) {
+    cols_ = cols;
+    blocks_.resize(std::size_t((cols + kColumns - 1) / kColumns));
+  }
+
+  Eigen::VectorXd column(Eigen::Index j) const { return blocks_[std::size_t(j / kColumns)].col(j % kColumns); }
+
+  /// \brief x += A y, x [rows], y [cols]
+  void addProduct(const Eigen::VectorXd& y, Eigen::VectorXd& x) const {
+    for (Eigen::Index first = 0; first < cols_; first += kColumns) x.noalias() += part(first) * y.segment(first, widthAt(first));
+  }
+
+  /// \brief A^T x [cols], x [rows]
+  Eigen::VectorXd transposedTimes(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd y(cols_);
+    for (Eigen::Index first = 0; first < cols_; first += kColumns) y.segment(first, widthAt(first)).noalias() = part(first).transpose() * x;
+    return y;
+  }
+
+  std::size_t bytes() const { return blocks_.size() * std::size_t(rows_ * kColumns) * sizeof(double); }
+
+ private:
+  static constexpr Eigen::Index kColumns = 4;
+
+  Eigen::Index widthAt(Eigen::Index first) const { return std::min(kColumns, cols_ - first); }
+  Eigen::Block<const Eigen::MatrixXd, Eigen::Dynamic, Eigen::Dynamic, true> part(Eigen::Index first) const {
+    return blocks_[std::size_t(first / kColumns)].leftCols(widthAt(first));
+  }
+
+  Eigen::Index rows_, cols_ = 0;
+  std::vector<Eigen::MatrixXd> blocks_;  // [rows x kColumns] each
+};
+
+}  // namespace Haptos
