@@ -102,7 +102,7 @@ TEUCHOS_UNIT_TEST(Communication, BytesOfBAreThoseOfThePlan) {
   countMpiCalls();
   const Run run = runCell(world(), 2, 2);
   const JumpOperator& B = run.simulation->system().jump();
-  const auto& importer = B.multipliers().importer();
+  const auto& importer = B.multipliers().remote().importer();
   const long long rowsOut = (long long)(importer.getNumExportIDs()), rowsIn = (long long)(importer.getNumRemoteIDs());
   TEST_ASSERT(B.transposed().vectors > 20);
   TEST_EQUALITY(B.transposed().sent.messageBytes, 8 * rowsOut * B.transposed().vectors);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_JumpOperator.hpp"
 
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
@@ -53,34 +52,46 @@ std::vector<int> JumpOperator::touchedDofs(int localSubdomain) const {
   return dofs;
 }
 
-void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const {
-  const std::size_t rows = rowOffsets_.size() - 1, columns = x.getNumVectors();
-  MultiVector overlap(multipliers_->overlapMap(), columns);
-  if (mode == Teuchos::NO_TRANS) {
-    for (std::size_t v = 0; v < columns; ++v) {
-      const auto u = x.getData(v);
-      const auto s = overlap.getDataNonConst(v);
-      for (std::size_t row = 0; row < rows; ++row) {
-        double sum = 0;
-        for (auto k = rowOffsets_[row]; k < rowOffsets_[row + 1]; ++k) sum += values_[k] * u[columns_[k]];
-        s[row] = alpha * sum;
-      }
-    }
-    // Tpetra 13.2 adds only what comes from other ranks; what is here already would be replaced.
-    MultiVector sum(y.getMap(), columns);
-    count(forward_, columns, [&] { sum.doExport(overlap, multipliers_->importer(), Tpetra::ADD); });
-    y.update(1.0, sum, beta);
-    return;
+// Rows of this rank go straight to y; those of others are sent to their owners.
+void JumpOperator::multiply(const MultiVector& x, MultiVector& y, double alpha, double beta) const {
+  const RemoteRows& remoteRows = multipliers_->remote();
+  const std::size_t rows = rowOffsets_.size() - 1, owned = remoteRows.numOwned(), columns = x.getNumVectors();
+  MultiVector remote(remoteRows.map(), columns);
+  for (std::size_t v = 0; v < columns; ++v) {
+    const auto u = x.getData(v);
+    const auto mine = y.getDataNonConst(v), others = remote.getDataNonConst(v);
+    const auto jumpAt = [&](std::size_t row) {
+      double sum = 0;
+      for (auto k = rowOffsets_[row]; k < rowOffsets_[row + 1]; ++k) sum += values_[k] * u[columns_[k]];
+      return alpha * sum;
+    };
+    for (std::size_t row = 0; row < owned; ++row) mine[row] = beta == 0.0 ? jumpAt(row) : beta * mine[row] + jumpAt(row);
+    for (std::size_t row = owned; row < rows; ++row) others[row - owned] = jumpAt(row);
   }
-  count(transposed_, columns, [&] { overlap.doImport(x, multipliers_->importer(), Tpetra::INSERT); });
+  count(forward_, columns, [&] { remoteRows.addToOwners(remote, y); });
+}
+
+void JumpOperator::multiplyTransposed(const MultiVector& x, MultiVector& y, double alpha, double beta) const {
+  const RemoteRows& remoteRows = multipliers_->remote();
+  const std::size_t rows = rowOffsets_.size() - 1, owned = remoteRows.numOwned(), columns = x.getNumVectors();
+  MultiVector remote(remoteRows.map(), columns);
+  count(transposed_, columns, [&] { remoteRows.fetch(x, remote); });
   if (beta == 0.0) y.putScalar(0.0);
   else y.scale(beta);
   for (std::size_t v = 0; v < columns; ++v) {
-    const auto l = overlap.getData(v);
+    const auto mine = x.getData(v), others = remote.getData(v);
     const auto f = y.getDataNonConst(v);
-    for (std::size_t row = 0; row < rows; ++row)
-      for (auto k = rowOffsets_[row]; k < rowOffsets_[row + 1]; ++k) f[columns_[k]] += alpha * values_[k] * l[row];
+    const auto spread = [&](std::size_t row, double value) {
+      for (auto k = rowOffsets_[row]; k < rowOffsets_[row + 1]; ++k) f[columns_[k]] += alpha * values_[k] * value;
+    };
+    for (std::size_t row = 0; row < owned; ++row) spread(row, mine[row]);
+    for (std::size_t row = owned; row < rows; ++row) spread(row, others[row - owned]);
   }
+}
+
+void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const {
+  if (mode == Teuchos::NO_TRANS) multiply(x, y, alpha, beta);
+  else multiplyTransposed(x, y, alpha, beta);
 }
 
 }  // namespace Haptos

@@ -14,7 +14,7 @@ namespace Haptos {
 ///   apply(l, f, TRANS):     f = B^T l,      dual -> primal
 ///
 /// The primal map numbers 3 x node + component, subdomain after subdomain; a rank holds its subdomains
-/// contiguously.  Both directions are Collective: one Import or Export of the rows on subdomain boundaries.
+/// contiguously.  Both directions are Collective: one Import or Export of the rows that ranks share.
 class JumpOperator final : public Operator {
  public:
   /// \param firstSubdomain global number of this rank's first subdomain
@@ -41,6 +41,9 @@ class JumpOperator final : public Operator {
   const std::vector<std::size_t>& primalOffsets() const { return primalOffsets_; }  ///< [local subdomains + 1]
 
  private:
+  void multiply(const MultiVector& x, MultiVector& y, double alpha, double beta) const;
+  void multiplyTransposed(const MultiVector& x, MultiVector& y, double alpha, double beta) const;
+
   RCP<const MultiplierMap> multipliers_;
   RCP<const Map> primalMap_;
   int firstSubdomain_;

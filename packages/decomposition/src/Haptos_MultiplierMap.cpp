@@ -2,9 +2,9 @@
 #include "Haptos_MultiplierMap.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
+#include <iterator>
 
 #include "Haptos_Exchange.hpp"
 
@@ -94,8 +94,10 @@ MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const Constrai
   touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   const auto view = [](const std::vector<GlobalOrdinal>& v) { return Teuchos::ArrayView<const GlobalOrdinal>(v.data(), v.size()); };
   map_ = Teuchos::rcp(new Map(numRows, view(owned), 0, comm));
-  overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), view(touched), 0, comm));
-  importer_ = Teuchos::rcp(new Tpetra::Import<>(map_, overlapMap_));
+  std::vector<GlobalOrdinal> all = owned;
+  std::copy_if(touched.begin(), touched.end(), std::back_inserter(all), [&](GlobalOrdinal row) { return !map_->isNodeGlobalElement(row); });
+  overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), view(all), 0, comm));
+  remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
 
   for (const auto& pair : pairs) {
     LocalPair local{pair.interface, pair.pair, map_->getLocalElement(pair.normal), {-1, -1}, pair.geometry};

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <memory>
 #include <vector>
 
 #include "Haptos_ConstraintRows.hpp"
+#include "Haptos_RemoteRows.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -20,7 +22,8 @@ struct LocalPair {
 /// \brief Who owns which multiplier, and what this rank must know of its rows.
 ///
 /// `map` is the one-to-one map of all dual unknowns; all rows at one node, and all three rows of a contact
-/// pair, lie on one rank.  `overlapMap` holds the rows that touch this rank's subdomains.
+/// pair, lie on one rank.  `overlapMap` holds the rank's own rows, in the order of `map`, then rows of others
+/// that touch its subdomains.
 class MultiplierMap {
  public:
   /// \brief Sends every rank its rows.  Collective.  `rows` and `rankOfSubdomain` are read on rank 0 only.
@@ -28,7 +31,7 @@ class MultiplierMap {
 
   const RCP<const Map>& map() const { return map_; }
   const RCP<const Map>& overlapMap() const { return overlapMap_; }
-  const Tpetra::Import<>& importer() const { return *importer_; }  ///< from map to overlapMap
+  const RemoteRows& remote() const { return *remote_; }  ///< those of others in overlapMap
 
   GlobalOrdinal numEquality() const { return numEquality_; }  ///< m of the paper
   GlobalOrdinal numPairs() const { return numPairs_; }        ///< m_c, over all ranks
@@ -55,7 +58,7 @@ class MultiplierMap {
 
  private:
   RCP<const Map> map_, overlapMap_;
-  RCP<const Tpetra::Import<>> importer_;
+  std::unique_ptr<const RemoteRows> remote_;
   GlobalOrdinal numEquality_ = 0, numPairs_ = 0;
   std::vector<RowKind> kinds_;
   std::vector<char> pinned_;

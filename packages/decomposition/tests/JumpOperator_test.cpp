@@ -23,9 +23,10 @@ RCP<const Communicator> self() { return Teuchos::rcp(new Teuchos::MpiComm<int>(M
 
 // Rows that more than one rank touches.
 int sharedRows(const Dealt& dealt) {
-  Vector ones(dealt.multipliers->overlapMap()), counts(dealt.multipliers->map());
+  Vector ones(dealt.multipliers->remote().map()), counts(dealt.multipliers->map());
   ones.putScalar(1.0);
-  counts.doExport(ones, dealt.multipliers->importer(), Tpetra::ADD);
+  counts.putScalar(1.0);
+  dealt.multipliers->remote().addToOwners(ones, counts);
   const Dense all = gathered(counts);
   return int((all.array() > 1.5).count());
 }

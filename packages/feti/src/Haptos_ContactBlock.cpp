@@ -32,7 +32,7 @@ void ContactBlock::findNearRows() {
   const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
   const auto& kinds = multipliers.kinds();
   const auto& inverse = preconditioner_->gram().inverse();
-  Vector mine(multipliers.map()), overlap(multipliers.overlapMap());
+  Vector mine(multipliers.map()), remote(multipliers.remote().map());
   std::vector<int> position(kinds.size(), -1);
   {
     const auto marks = mine.getDataNonConst(0);
@@ -55,13 +55,12 @@ void ContactBlock::findNearRows() {
   gram_.resize(Eigen::Index(near_.size()), Eigen::Index(near_.size()));
   gram_.setFromTriplets(triplets.begin(), triplets.end());
 
-  overlap.doImport(mine, multipliers.importer(), Tpetra::INSERT);
-  const auto marks = overlap.getData(0);
+  multipliers.remote().fetch(mine, remote);
   std::vector<char> isNear;
-  for (double mark : marks) isNear.push_back(mark != 0);
+  for (double mark : mine.getData(0)) isNear.push_back(mark != 0);
+  for (double mark : remote.getData(0)) isNear.push_back(mark != 0);
   nearMap_ = subsetMap(*multipliers.map(), [&](int row) { return position[std::size_t(row)] >= 0; });
-  nearOverlapMap_ = subsetMap(*multipliers.overlapMap(), [&](int row) { return isNear[std::size_t(row)] != 0; });
-  importer_ = Teuchos::rcp(new Tpetra::Import<>(nearMap_, nearOverlapMap_));
+  remote_ = std::make_unique<RemoteRows>(nearMap_, subsetMap(*multipliers.overlapMap(), [&](int row) { return isNear[std::size_t(row)] != 0; }));
   findUnknowns(isNear);
 }
 
@@ -130,32 +129,29 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   }
 }
 
+// part := B_D S B_D^T part between near rows, B_D without its gram factor
+void ContactBlock::applyBetween(Eigen::VectorXd& part) const {
+  const Eigen::Index owned = part.size();
+  Eigen::VectorXd remote = remote_->fetch(part), t = Eigen::VectorXd::Zero(size_);
+  const auto at = [&](Eigen::Index row) -> double& { return row < owned ? part[row] : remote[row - owned]; };
+  for (const Entry& e : entries_) t[e.position] += e.value * at(e.row);
+  applyLocal(t);
+  part.setZero();
+  remote.setZero();
+  for (const Entry& e : entries_) at(e.row) += e.value * t[e.position];
+  remote_->addToOwners(remote, part);
+}
+
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  Eigen::VectorXd part(Eigen::Index(near_.size())), t(size_);
+  Eigen::VectorXd part(Eigen::Index(near_.size()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    const auto in = x.getData(v);
-    for (std::size_t i = 0; i < near_.size(); ++i) part[Eigen::Index(i)] = isContact_[i] ? in[near_[i]] : 0.0;
-    Vector owned(nearMap_), overlap(nearOverlapMap_);
-    const auto put = [&](const Eigen::VectorXd& values) {
-      const auto data = owned.getDataNonConst(0);
-      std::copy(values.data(), values.data() + values.size(), data.begin());
-    };
-    put(gram_ * part);
-    overlap.doImport(owned, *importer_, Tpetra::INSERT);
     {
-      const auto data = overlap.getDataNonConst(0);
-      t.setZero();
-      for (const Entry& e : entries_) t[e.position] += e.value * data[e.row];
-      applyLocal(t);
-      std::fill(data.begin(), data.end(), 0.0);
-      for (const Entry& e : entries_) data[e.row] += e.value * t[e.position];
+      const auto in = x.getData(v);
+      for (std::size_t i = 0; i < near_.size(); ++i) part[Eigen::Index(i)] = isContact_[i] ? in[near_[i]] : 0.0;
     }
-    Vector sum(nearMap_);  // an Export with ADD replaces what stands in its target
-    sum.doExport(overlap, *importer_, Tpetra::ADD);
-    {
-      const auto data = sum.getData(0);
-      part = gram_ * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
-    }
+    part = (gram_ * part).eval();
+    applyBetween(part);
+    part = (gram_ * part).eval();
     const auto out = y.getDataNonConst(v);
     for (auto& value : out) value = beta == 0 ? 0.0 : beta * value;
     for (std::size_t i = 0; i < near_.size(); ++i)

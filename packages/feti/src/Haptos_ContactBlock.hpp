@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/SparseCore>
-#include <Tpetra_Import.hpp>
+#include <memory>
 
 #include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_DualPreconditioner.hpp"
@@ -32,7 +32,7 @@ class ContactBlock final : public Operator {
   const std::vector<std::vector<int>>& activeMembers() const { return active_; }
 
  private:
-  // One nonzero of B_D^T: overlap row, position in the compact vector of the active subdomains' unknowns.
+  // One nonzero of B_D^T: near row, the rank's own ones first, position in the compact vector of the active subdomains' unknowns.
   struct Entry {
     int row;
     int position;
@@ -43,14 +43,15 @@ class ContactBlock final : public Operator {
   void findUnknowns(const std::vector<char>& isNear);
   DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::VectorXd& t) const;
+  void applyBetween(Eigen::VectorXd& part) const;
 
   RCP<const DualPreconditioner> preconditioner_;
   // "Near" rows share a node with a contact row: B_D couples those and no others.
   std::vector<int> near_;                     // [near] owned rows
   std::vector<char> isContact_;               // [near]
   Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [near x near] (B W B^T)^+
-  RCP<const Map> nearMap_, nearOverlapMap_;
-  RCP<const Tpetra::Import<>> importer_;
+  RCP<const Map> nearMap_;
+  std::unique_ptr<const RemoteRows> remote_;  // near rows of others
   std::vector<Entry> entries_;
   std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members

@@ -2,7 +2,6 @@
 #include "Haptos_DualPreconditioner.hpp"
 
 #include <Teuchos_Assert.hpp>
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
@@ -88,16 +87,19 @@ RCP<Vector> DualPreconditioner::diagonal() const {
   }
   // sum over the copies of (B W)^2 diag S, then the rows' own (B W B^T)^-1
   const auto& multipliers = jump_->multipliers();
-  Vector overlap(multipliers.overlapMap());
+  const RemoteRows& remoteRows = multipliers.remote();
+  Vector remote(remoteRows.map());
+  auto result = Teuchos::rcp(new Vector(multipliers.map()));
   {
-    const auto data = overlap.getDataNonConst(0);
+    const auto mine = result->getDataNonConst(0), others = remote.getDataNonConst(0);
+    const std::size_t owned = remoteRows.numOwned();
     for (const auto& entry : multipliers.overlapEntries()) {
       const double bw = entry.value / entry.weight;
-      data[entry.row] += bw * bw * diagS[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof];
+      double& sum = std::size_t(entry.row) < owned ? mine[entry.row] : others[std::size_t(entry.row) - owned];
+      sum += bw * bw * diagS[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof];
     }
   }
-  auto result = Teuchos::rcp(new Vector(multipliers.map()));
-  result->doExport(overlap, multipliers.importer(), Tpetra::ADD);
+  remoteRows.addToOwners(remote, *result);
   const auto data = result->getDataNonConst(0);
   for (Eigen::Index row = 0; row < gram_.inverse().rows(); ++row) {
     const double g = gram_.inverse().coeff(row, row);

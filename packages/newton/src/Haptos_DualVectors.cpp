@@ -6,10 +6,23 @@
 #include <Tpetra_Operator.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cmath>
+#include <type_traits>
 
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
+
+namespace {
+
+using DualView = MultiVector::dual_view_type;
+
+// An array as a Vector, without copying; both hosts and devices must see it.
+Vector viewOf(const RCP<const Map>& map, double* data, Eigen::Index rows) {
+  const DualView::t_dev view(data, std::size_t(rows), 1);
+  return Vector(map, DualView(view, view));
+}
+
+}  // namespace
 
 DualVectors::DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, std::vector<int> gluingRows)
     : map_(std::move(map)), pairs_(pairs), numRows_(Eigen::Index(localNumElements(*map_))), gluingRows_(std::move(gluingRows)) {}
@@ -43,10 +56,16 @@ void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) 
 }
 
 Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x) const {
-  const auto in = toVector(x);
-  Vector out(map_);
-  op.apply(*in, out);
-  return fromVector(out);
+  if constexpr (std::is_same_v<DualView::t_dev, DualView::t_host>) {
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(numRows_);
+    Vector out = viewOf(map_, y.data(), numRows_);
+    op.apply(viewOf(map_, const_cast<double*>(x.data()), numRows_), out);
+    return y;
+  } else {
+    Vector out(map_);
+    op.apply(*toVector(x), out);
+    return fromVector(out);
+  }
 }
 
 void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {

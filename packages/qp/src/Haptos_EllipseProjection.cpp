@@ -20,14 +20,15 @@ Real length(Real a, Real b) { return std::sqrt(square(a) + square(b)); }
 Real level(const Pair& x, const Pair& a) { return square(x[0] / a[0]) + square(x[1] / a[1]); }
 
 /// psi(tau) = sum (a_i x_i / (a_i^2 + tau))^2 and its derivative; psi = 1 at the projection.
+template <class T>
 struct Secular {
-  Pair a, x;
-  Real slope = 0;
-  Real operator()(Real tau) {
-    Real psi = 0;
+  std::array<T, 2> a, x;
+  T slope = 0;
+  T operator()(T tau) {
+    T psi = 0;
     slope = 0;
     for (int i = 0; i < 2; ++i) {
-      const Real d = a[i] * a[i] + tau, q = a[i] * x[i] / d;
+      const T d = a[i] * a[i] + tau, q = a[i] * x[i] / d;
       psi += q * q;
       slope -= 2 * q * q / d;
     }
@@ -35,18 +36,36 @@ struct Secular {
   }
 };
 
+/// Newton's step for psi^(-1/2) = 1.
+template <class T>
+T newtonStep(Secular<T>& psi, T tau, T value) {
+  return tau + 2 * value * (1 - std::sqrt(value)) / psi.slope;
+}
+
+/// The root to the digits of doubles, where they have the range for it; from here few steps in Real are left.
+Real approximateRoot(const Pair& a, const Pair& x, Real lo, Real hi) {
+  Secular<double> psi{{double(a[0]), double(a[1])}, {double(x[0]), double(x[1])}};
+  double tau = double(lo);
+  for (int it = 0; it < 20; ++it) {
+    const double next = newtonStep(psi, tau, psi(tau)), change = std::abs(next - tau);
+    tau = next;
+    if (!(change > 1e-12 * std::abs(tau))) break;
+  }
+  return tau >= lo && tau <= hi ? Real(tau) : lo;
+}
+
 /// Root tau >= 0 of psi = 1 for a point x >= 0 outside.  psi^(-1/2) is increasing and concave, so that Newton
-/// from the left converges monotonically; the bracket only guards against round-off.
+/// from the left converges monotonically, from the right after one step; the bracket only guards against round-off.
 Real secularRoot(const Pair& a, const Pair& x) {
-  Secular psi{a, x};
+  Secular<Real> psi{a, x};
   Real lo = std::max({Real(0), a[0] * (x[0] - a[0]), a[1] * (x[1] - a[1])});
   Real hi = length(a[0] * x[0], a[1] * x[1]);
-  Real tau = lo;
+  Real tau = approximateRoot(a, x, lo, hi);
   const Real eps = 2 * std::numeric_limits<Real>::epsilon();
   for (int it = 0; it < 200; ++it) {
     const Real value = psi(tau);
     (value >= 1 ? lo : hi) = tau;
-    Real next = tau + 2 * value * (1 - std::sqrt(value)) / psi.slope;
+    Real next = newtonStep(psi, tau, value);
     if (!(next >= lo && next <= hi)) next = lo + (hi - lo) / 2;
     const Real change = std::abs(next - tau);
     tau = next;

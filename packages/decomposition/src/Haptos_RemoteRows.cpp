@@ -1,0 +1,59 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_RemoteRows.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+
+#include "Haptos_TpetraCompat.hpp"
+
+namespace Haptos {
+namespace {
+
+void copyTo(Vector& v, const Eigen::VectorXd& values) {
+  const auto data = v.getDataNonConst(0);
+  std::copy(values.data(), values.data() + values.size(), data.begin());
+}
+
+Eigen::VectorXd valuesOf(const Vector& v) {
+  const auto data = v.getData(0);
+  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+}
+
+}  // namespace
+
+RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)
+    : map_(std::move(map)), numOwned_(localNumElements(*map_)), isAlone_(map_->getComm()->getSize() == 1) {
+  const auto rows = localElementList(*overlapMap);
+  TEUCHOS_ASSERT(std::size_t(rows.size()) >= numOwned_);
+  remoteMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                                    rows(int(numOwned_), int(std::size_t(rows.size()) - numOwned_)), map_->getIndexBase(), map_->getComm()));
+  importer_ = Teuchos::rcp(new Tpetra::Import<>(map_, remoteMap_));
+}
+
+void RemoteRows::fetch(const MultiVector& x, MultiVector& remote) const {
+  if (!isAlone_) remote.doImport(x, *importer_, Tpetra::INSERT);
+}
+
+void RemoteRows::addToOwners(const MultiVector& remote, MultiVector& y) const {
+  if (!isAlone_) y.doExport(remote, *importer_, Tpetra::ADD);
+}
+
+Eigen::VectorXd RemoteRows::fetch(const Eigen::VectorXd& owned) const {
+  if (isAlone_) return {};
+  Vector x(map_), remote(remoteMap_);
+  copyTo(x, owned);
+  fetch(x, remote);
+  return valuesOf(remote);
+}
+
+void RemoteRows::addToOwners(const Eigen::VectorXd& remote, Eigen::VectorXd& owned) const {
+  if (isAlone_) return;
+  Vector x(map_), others(remoteMap_);
+  copyTo(x, owned);
+  copyTo(others, remote);
+  addToOwners(others, x);
+  owned = valuesOf(x);
+}
+
+}  // namespace Haptos
