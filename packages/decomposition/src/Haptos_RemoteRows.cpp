@@ -4,6 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
 
 #include "Haptos_TpetraCompat.hpp"
 
@@ -25,7 +26,8 @@ Eigen::VectorXd valuesOf(const Vector& v) {
 RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)
     : map_(std::move(map)), numOwned_(localNumElements(*map_)), isAlone_(map_->getComm()->getSize() == 1) {
   const auto rows = localElementList(*overlapMap);
-  TEUCHOS_ASSERT(std::size_t(rows.size()) >= numOwned_);
+  const auto own = localElementList(*map_);
+  TEUCHOS_ASSERT(rows.size() >= own.size() && std::equal(own.begin(), own.end(), rows.begin()));
   remoteMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                                     rows(int(numOwned_), int(std::size_t(rows.size()) - numOwned_)), map_->getIndexBase(), map_->getComm()));
   importer_ = Teuchos::rcp(new Tpetra::Import<>(map_, remoteMap_));

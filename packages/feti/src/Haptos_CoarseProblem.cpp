@@ -211,8 +211,10 @@ Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& chan
       schurTotal_ = Eigen::VectorXd::Zero(n);
     }
     Eigen::MatrixXd x = eliminated_.bottomRows(n);
-    if (!isFirst) x -= fixed.multiplySchur(schurTotal_);
-    for (Eigen::Index i = 0; i < n && !isFirst; ++i) x(i, 0) += b(fixed.order()[std::size_t(others + i)], 0);
+    if (!isFirst) {
+      x -= fixed.multiplySchur(schurTotal_);
+      for (Eigen::Index i = 0; i < n; ++i) x(i, 0) += b(fixed.order()[std::size_t(others + i)], 0);
+    }
     factor.solveSchur(x);
     schurTotal_ += x;
     for (Eigen::Index i = 0; i < n; ++i) a(fixed.order()[std::size_t(others + i)], 0) = x(i, 0);

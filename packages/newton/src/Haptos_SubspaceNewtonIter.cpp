@@ -151,8 +151,8 @@ bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) co
   return limits.stall > 0 && applications() - halvedAt_ >= long(linear_ ? kLinearPatience * patience : patience) * limits.stall;
 }
 
-// Gauss-Newton inside the subspace; returns the residual reached.
-double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
+// Gauss-Newton inside the subspace.
+void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
   const Eigen::VectorXd lambda0 = vectors_.contact(state.lambda), s0 = vectors_.contact(state.s);
   const auto projected = subspace_.projectGluing(vectors_.gluing(state.s));
   const Eigen::VectorXd& q0 = projected.inside;
@@ -206,7 +206,6 @@ double SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     if (reduction > 0.98 && !linear_) break;
   }
   subspace_.addCombination(y, state.lambda, state.s);
-  return current;
 }
 
 bool SubspaceNewtonIter::progressIsPoor() const {

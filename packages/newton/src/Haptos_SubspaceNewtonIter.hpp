@@ -57,7 +57,7 @@ class SubspaceNewtonIter {
   void planStep(double length, const Eigen::VectorXd& sigma);
   void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
-  double solveInSubspace(NewtonState& state);
+  void solveInSubspace(NewtonState& state);
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
   bool isNearlyThere(const NewtonLimits& limits) const;
