@@ -69,45 +69,86 @@ BlockMap sumBlocks(const std::vector<Bytes>& messages) {
   return total;
 }
 
-// A row's entries in one subdomain.
-struct Piece {
-  int subdomain;
-  std::array<double, kModes> values;
+constexpr int kAlike = 3;  // the components of a node touch the same subdomains, as do the rows of a contact pair
+
+// Rows of one pattern, all six columns of each of their subdomains, one behind the other.
+struct AlikeRows {
+  int rows, length;
+  const int* columns;     // [length]
+  const double* values;   // [rows x length]
+  const double* weights;  // [rows]
 };
 
-void takePieces(const CoarseRows& C, Eigen::Index row, std::vector<Piece>& pieces) {
-  pieces.clear();
-  for (CoarseRows::InnerIterator it(C, row); it; ++it) {
-    const int subdomain = int(it.col()) / kModes;
-    if (pieces.empty() || pieces.back().subdomain != subdomain) pieces.push_back({subdomain, {}});
-    pieces.back().values[std::size_t(int(it.col()) - kModes * subdomain)] = it.value();
-  }
+bool hasWholeSubdomains(const int* columns, int length) {
+  bool whole = length % kModes == 0;
+  for (int i = 0; i < length && whole; i += kModes) whole = columns[i] % kModes == 0 && columns[i + kModes - 1] == columns[i] + kModes - 1;
+  return whole;
 }
 
-// block += weight a b^T
-HAPTOS_INLINE void addProduct(double weight, const std::array<double, kModes>& a, const std::array<double, kModes>& b, Block& block) {
-  for (std::size_t i = 0; i < kModes; ++i) {
-    const double wa = weight * a[i];
-    for (std::size_t j = 0; j < kModes; ++j) block[i * kModes + j] += wa * b[j];
+// A row with zeros where it has not all six columns of a subdomain.
+class PaddedRow {
+ public:
+  AlikeRows pad(const AlikeRows& row) {
+    columns_.clear();
+    values_.clear();
+    for (int i = 0; i < row.length; ++i) {
+      const int first = row.columns[i] / kModes * kModes;
+      if (columns_.empty() || columns_.back() < first) {
+        for (int m = 0; m < kModes; ++m) columns_.push_back(first + m);
+        values_.resize(columns_.size(), 0.0);
+      }
+      values_[values_.size() - kModes + std::size_t(row.columns[i] - first)] = row.values[i];
+    }
+    return {1, int(columns_.size()), columns_.data(), values_.data(), row.weights};
   }
+
+ private:
+  std::vector<int> columns_;
+  std::vector<double> values_;
+};
+
+// block += sum of weight a b^T over the rows
+HAPTOS_INLINE void addProduct(const AlikeRows& C, const double* a, const double* b, Block& block) {
+  Block sum{};
+  for (int r = 0; r < C.rows; ++r, a += C.length, b += C.length)
+    for (std::size_t i = 0; i < kModes; ++i) {
+      const double wa = C.weights[r] * a[i];
+      for (std::size_t j = 0; j < kModes; ++j) sum[i * kModes + j] += wa * b[j];
+    }
+  for (std::size_t i = 0; i < sum.size(); ++i) block[i] += sum[i];
 }
 
-HAPTOS_CLONES void addProducts(double weight, const std::vector<Piece>& pieces, RecentBlocks& blocks) {
-  for (std::size_t i = 0; i < pieces.size(); ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      addProduct(weight, pieces[i].values, pieces[j].values, blocks.at(pieces[i].subdomain, pieces[j].subdomain));
+HAPTOS_CLONES void addProducts(const AlikeRows& C, RecentBlocks& blocks) {
+  for (int i = 0; i < C.length; i += kModes)
+    for (int j = 0; j <= i; j += kModes)
+      addProduct(C, C.values + i, C.values + j, blocks.at(C.columns[i] / kModes, C.columns[j] / kModes));
 }
 
 }  // namespace
 
 CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
+  TEUCHOS_ASSERT(C.isCompressed() && (q.empty() || Eigen::Index(q.size()) == C.rows()));
+  static constexpr double kOnes[kAlike] = {1, 1, 1};
+  const int* starts = C.outerIndexPtr();
+  const auto weights = [&](Eigen::Index row) { return q.empty() ? kOnes : q.data() + row; };
+  const auto alike = [&](Eigen::Index a, Eigen::Index b) {
+    const int* columns = C.innerIndexPtr();
+    return *weights(b) != 0 && starts[a + 1] - starts[a] == starts[b + 1] - starts[b] &&
+           std::equal(columns + starts[a], columns + starts[a + 1], columns + starts[b]);
+  };
   RecentBlocks recent(blocks_);
-  std::vector<Piece> pieces;
-  for (Eigen::Index row = 0; row < C.rows(); ++row) {
-    const double weight = q.empty() ? 1.0 : q[std::size_t(row)];
-    if (weight == 0) continue;  // its blocks, too, are left out
-    takePieces(C, row, pieces);
-    addProducts(weight, pieces, recent);
+  PaddedRow padded;
+  for (Eigen::Index row = 0, next = 1; row < C.rows(); row = next++) {
+    if (*weights(row) == 0) continue;  // its blocks, too, are left out
+    const int length = starts[row + 1] - starts[row];
+    AlikeRows rows{1, length, C.innerIndexPtr() + starts[row], C.valuePtr() + starts[row], weights(row)};
+    if (hasWholeSubdomains(rows.columns, length)) {
+      while (next < C.rows() && next < row + kAlike && alike(row, next)) ++next;
+      rows.rows = int(next - row);
+    } else {
+      rows = padded.pad(rows);
+    }
+    addProducts(rows, recent);
   }
 }
 
@@ -139,6 +180,17 @@ CoarseBlocks CoarseBlocks::onHolders(const CoarsePlacement& placement, Eigen::In
 
 void CoarseBlocks::add(const CoarseBlocks& other, double factor) {
   for (const auto& [key, block] : other.blocks_) addBlock(blocks_, key, block, factor);
+}
+
+Eigen::VectorXd CoarseBlocks::multiply(const Eigen::VectorXd& a) const {
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(a.size());
+  for (const auto& [key, block] : blocks_) {
+    const Eigen::Map<const Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>> A(block.data());
+    const int s = kModes * row(key), t = kModes * column(key);
+    y.segment<kModes>(s) += A * a.segment<kModes>(t);
+    if (s != t) y.segment<kModes>(t) += A.transpose() * a.segment<kModes>(s);
+  }
+  return y;
 }
 
 double CoarseBlocks::largestDiagonal() const {

@@ -30,6 +30,7 @@ class CoarseBlocks {
   CoarseBlocks onHolders(const CoarsePlacement& placement, Eigen::Index subdomains) const;
 
   void add(const CoarseBlocks& other, double factor = 1);
+  Eigen::VectorXd multiply(const Eigen::VectorXd& a) const;  ///< by the whole symmetric matrix, [l]
   double largestDiagonal() const;  ///< 0 without blocks
   const Map& blocks() const { return blocks_; }
   std::size_t size() const { return blocks_.size(); }

@@ -258,10 +258,4 @@ Eigen::MatrixXd CoarseElimination::substituteBack(const Eigen::MatrixXd& Y) cons
   return X;
 }
 
-Eigen::MatrixXd CoarseElimination::multiplySchur(const Eigen::MatrixXd& X) const {
-  Eigen::MatrixXd Y(X.rows(), X.cols());
-  for (Eigen::Index j = 0; j < X.cols(); ++j) Y.col(j).noalias() = schur_.selfadjointView<Eigen::Lower>() * X.col(j);  // as a vector: BLAS 2
-  return Y;
-}
-
 }  // namespace Haptos

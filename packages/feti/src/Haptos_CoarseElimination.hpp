@@ -28,8 +28,6 @@ class CoarseElimination {
   Eigen::MatrixXd eliminate(const Eigen::MatrixXd& B) const;
   /// \brief The solution [l x m] from what `eliminate` gave, its last rows solved for.
   Eigen::MatrixXd substituteBack(const Eigen::MatrixXd& Y) const;
-  /// \brief S X, both [last unknowns x m]
-  Eigen::MatrixXd multiplySchur(const Eigen::MatrixXd& X) const;
 
   const Eigen::MatrixXd& schur() const { return schur_; }  ///< S, lower triangle
   /// \brief Adds blocks of the last subdomains to the lower triangle of a matrix like S; others are left out.

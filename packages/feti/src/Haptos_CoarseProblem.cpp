@@ -71,7 +71,7 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
     : placement_(std::move(placement)), size_(fixed.rows.cols()) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = std::make_shared<const CoarseBlocks>(sumUp(fixed));
-  const CoarseBlocks first = sumUp(changing);
+  CoarseBlocks first = sumUp(changing);
   addHolds(holds, largestDiagonalOfSum(*fixed_, first));
   CoarseCosts& costs = placement_->costs();
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = blocksOfSum(*fixed_, first);
@@ -81,12 +81,7 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
   if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
-  if (when == Factor::Now) {
-    factor(first);
-  } else if (!condenses_) {
-    fixedMatrix_ = CoarseMatrix({fixed_.get()}, size_);
-    fixedMatrix_.set({fixed_.get()});
-  }
+  if (when == Factor::Now) factor(std::move(first));
 }
 
 // Where no motion is to be held, the others are eliminated already.
@@ -116,17 +111,13 @@ void CoarseProblem::renew(const Weighted& changing) {
   factor(sumUp(changing));
 }
 
-Eigen::MatrixXd CoarseProblem::multiplyFixed(const Eigen::MatrixXd& a) const {
-  if (!placement_->holds()) return {};
-  return fixedMatrix_.matrix() * a;
-}
-
-void CoarseProblem::factor(const CoarseBlocks& changing) {
+void CoarseProblem::factor(CoarseBlocks changing) {
+  changingBlocks_ = std::move(changing);
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    if (condenses_) factorCondensed(changing);
-    else factorWhole(changing);
+    if (condenses_) factorCondensed();
+    else factorWhole();
     costs.factorEntries = std::max(costs.factorEntries, condenses_ ? condensed_->factorEntries() : factor_->factorEntries());
   };
   if (placement_->isReplicated()) {
@@ -142,19 +133,19 @@ void CoarseProblem::factor(const CoarseBlocks& changing) {
   broadcastAndThrow(placement_->comm(), error, 0);  // rank 0 is a holder, and all holders have the same matrix
 }
 
-void CoarseProblem::factorWhole(const CoarseBlocks& changing) {
+void CoarseProblem::factorWhole() {
   if (matrix_.matrix().rows() == 0) matrix_ = CoarseMatrix({fixed_.get(), &held_}, size_);
-  matrix_.set({fixed_.get(), &held_, &changing});
+  matrix_.set({fixed_.get(), &held_, &changingBlocks_});
   if (factor_) factor_->renew(matrix_.matrix());
   else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
 }
 
-void CoarseProblem::factorCondensed(const CoarseBlocks& changing) {
+void CoarseProblem::factorCondensed() {
   if (!condensed_) {
     const CoarseElimination::Parts stays{fixed_.get(), &held_};
     condensed_ = std::make_unique<CondensedFactor>(std::make_shared<const CoarseElimination>(size_, stays, changing_));
   }
-  condensed_->renew(changing);
+  condensed_->renew(changingBlocks_);
 }
 
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
@@ -186,41 +177,44 @@ Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen
 CoarseProblem::Series::Series(const CoarseProblem& problem, Eigen::VectorXd mine) : problem_(problem), mine_(std::move(mine)) {}
 
 Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
-  if (problem_.condenses_) return nextCondensed(changing);
-  const bool isFirst = total_.size() == 0;
-  const Eigen::VectorXd a = problem_.solveSum(mine_ + changing, isFirst ? Eigen::MatrixXd() : problem_.multiplyFixed(total_));
-  if (isFirst) total_ = a;
-  else total_ += a;
-  return a;
-}
-
-// S + E has the right-hand side g_k - S x, with x what was found so far: where only the others act, nothing is left.
-Eigen::VectorXd CoarseProblem::Series::nextCondensed(const Eigen::VectorXd& changing) {
   const CoarsePlacement& placement = *problem_.placement_;
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
   const bool isFirst = first_.size() == 0;
   if (isFirst) first_ = changing;
   const Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(changing.size(), 1);
+  Eigen::MatrixXd a(changing.size(), 1);
   if (placement.holds()) {
-    const CondensedFactor& factor = *problem_.condensed_;
-    const CoarseElimination& fixed = *factor.elimination();
-    const Eigen::Index n = factor.schurSize(), others = changing.size() - n;
     if (isFirst) {
-      eliminated_ = fixed.eliminate(b);
-      schurTotal_ = Eigen::VectorXd::Zero(n);
+      eliminated_ = problem_.condenses_ ? problem_.condensed_->elimination()->eliminate(b) : b;
+      total_ = Eigen::VectorXd::Zero(b.rows());
     }
-    Eigen::MatrixXd x = eliminated_.bottomRows(n);
-    if (!isFirst) {
-      x -= fixed.multiplySchur(schurTotal_);
-      for (Eigen::Index i = 0; i < n; ++i) x(i, 0) += b(fixed.order()[std::size_t(others + i)], 0);
-    }
-    factor.solveSchur(x);
-    schurTotal_ += x;
-    for (Eigen::Index i = 0; i < n; ++i) a(fixed.order()[std::size_t(others + i)], 0) = x(i, 0);
+    a = solveForRest(isFirst ? Eigen::VectorXd() : Eigen::VectorXd(b + problem_.changingBlocks_.multiply(total_)));
+    total_ += a;
   }
   placement.broadcast(a);
   problem_.count(1);
+  return a;
+}
+
+// A right-hand side beyond the first one, `more` [l] that changing rows add and take off: where only the others act, nothing
+// is left.
+Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more) {
+  const CondensedFactor* condensed = problem_.condensed_.get();
+  const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows(), others = eliminated_.rows() - n;
+  const auto unknown = [&](Eigen::Index i) { return condensed ? condensed->elimination()->order()[std::size_t(others + i)] : i; };
+  Eigen::VectorXd rhs = eliminated_.bottomRows(n);
+  if (more.size() > 0) {
+    rhs -= solvedFor_;
+    for (Eigen::Index i = 0; i < n; ++i) rhs[i] += more[unknown(i)];
+    solvedFor_ += rhs;
+  } else {
+    solvedFor_ = rhs;
+  }
+  Eigen::MatrixXd x = rhs;
+  if (condensed) condensed->solveSchur(x);
+  else problem_.factor_->solve(rhs, x);
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(eliminated_.rows());
+  for (Eigen::Index i = 0; i < n; ++i) a[unknown(i)] = x(i, 0);
   return a;
 }
 

@@ -55,13 +55,14 @@ class CoarseProblem {
   /// \param mine [l x k] of this rank, \param shift the same on all ranks; empty: 0
   Eigen::MatrixXd solveSum(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& shift = {}) const;
 
-  /// \brief Solutions a_k of A a_k = b_k - C^T diag(q) C of the fixed rows (a_1 + ... + a_k-1), b_k given one after the other.
+  /// \brief Solutions a_k of A a_k = b_k - A_fixed (a_1 + ... + a_k-1), b_k given one after the other.
   ///
-  /// All b_k are the first one up to what changing rows add: a condensed factor eliminates the others for the first
-  /// only, which saves most of the following solves.  In those it counts the holds, which are weak, as fixed.
+  /// A_fixed, A without its changing rows, is not needed: A_fixed a = A a - C^T diag(q) C a of the changing rows, and A a
+  /// is known.  All b_k are the first one up to what changing rows add: a condensed factor eliminates the others for the
+  /// first only, which saves most of the following solves.
   class Series {
    public:
-    /// \param problem is kept by reference, was made with `Factor::WithRenewal`, and must not be renewed.
+    /// \param problem is kept by reference and must not be renewed.
     /// \param mine [l] this rank's part of b_k that stays the same
     Series(const CoarseProblem& problem, Eigen::VectorXd mine);
     /// \brief a_k [l], right where changing rows may touch.  \param changing [l] this rank's other part of b_k.  Collective.
@@ -72,13 +73,14 @@ class CoarseProblem {
     Eigen::VectorXd last(const CoarseProblem& fixedAlone, const Eigen::VectorXd& changing);
 
    private:
-    Eigen::VectorXd nextCondensed(const Eigen::VectorXd& changing);
+    Eigen::VectorXd solveForRest(const Eigen::VectorXd& more);
 
     const CoarseProblem& problem_;
     Eigen::VectorXd mine_, first_;  // b_k that stays; the first b_k's other part
-    Eigen::VectorXd total_;         // where nothing is condensed
-    Eigen::MatrixXd eliminated_;    // of the first b_k
-    Eigen::VectorXd schurTotal_;    // in the changing unknowns
+    // On the holders, where the problem is condensed in the changing unknowns (places), else in all:
+    Eigen::MatrixXd eliminated_;    // of the first b_k, or that itself [l]
+    Eigen::VectorXd solvedFor_;     // sum of the right-hand sides so far [places]
+    Eigen::VectorXd total_;         // of the a_k [l]
   };
 
   long solves() const { return solves_; }
@@ -89,20 +91,19 @@ class CoarseProblem {
   void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
   void addHolds(const Holds& holds, double scale);
-  Eigen::MatrixXd multiplyFixed(const Eigen::MatrixXd& a) const;
-  void factor(const CoarseBlocks& changing);
-  void factorWhole(const CoarseBlocks& changing);
-  void factorCondensed(const CoarseBlocks& changing);
+  void factor(CoarseBlocks changing);
+  void factorWhole();
+  void factorCondensed();
 
   Placement placement_;
   Eigen::Index size_;
   std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
   CoarseBlocks held_;
-  CoarseMatrix fixedMatrix_;   // for a Series where nothing is condensed
-  CoarseMatrix matrix_;        // where nothing is condensed
-  bool isHeld_ = false;        // on all ranks: there are holds
-  bool condenses_ = false;     // on all ranks
-  std::vector<int> changing_;  // subdomains to condense to, on the holders
+  CoarseBlocks changingBlocks_;  // of today, on the holders
+  CoarseMatrix matrix_;          // where nothing is condensed
+  bool isHeld_ = false;          // on all ranks: there are holds
+  bool condenses_ = false;       // on all ranks
+  std::vector<int> changing_;    // subdomains to condense to, on the holders
   std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
   std::unique_ptr<CondensedFactor> condensed_;
   mutable long solves_ = 0;

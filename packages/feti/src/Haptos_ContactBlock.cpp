@@ -4,6 +4,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <numeric>
 #include <set>
 
 #include "Haptos_TpetraCompat.hpp"
@@ -12,75 +13,77 @@ namespace Haptos {
 namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+using GlobalMarks = std::vector<char>;  // [overlap rows]
 
-template <class Predicate>
-RCP<const Map> subsetMap(const Map& map, Predicate&& isKept) {
-  std::vector<GlobalOrdinal> kept;
-  for (int row = 0; row < int(localNumElements(map)); ++row)
-    if (isKept(row)) kept.push_back(map.getGlobalElement(row));
-  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                              Teuchos::ArrayView<const GlobalOrdinal>(kept.data(), int(kept.size())), map.getIndexBase(), map.getComm()));
+// What some rank marks, all ranks that have the row see.  Collective.
+GlobalMarks shareMarks(const MultiplierMap& multipliers, const std::vector<char>& mine) {
+  const RemoteRows& remoteRows = multipliers.remote();
+  const Eigen::Index owned = Eigen::Index(remoteRows.numOwned());
+  const Eigen::VectorXd marks = Eigen::Map<const Eigen::Matrix<char, Eigen::Dynamic, 1>>(mine.data(), Eigen::Index(mine.size())).cast<double>();
+  Eigen::VectorXd own = marks.head(owned);
+  remoteRows.addToOwners(marks.tail(marks.size() - owned), own);
+  const Eigen::VectorXd others = remoteRows.fetch(own);
+  GlobalMarks all;
+  for (double mark : own) all.push_back(mark != 0);
+  for (double mark : others) all.push_back(mark != 0);
+  return all;
+}
+
+// A(rows, columns)
+RowMatrix submatrix(const RowMatrix& A, const std::vector<int>& rows, const std::vector<int>& columns) {
+  std::vector<int> position(std::size_t(A.cols()), -1);
+  for (std::size_t i = 0; i < columns.size(); ++i) position[std::size_t(columns[i])] = int(i);
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (RowMatrix::InnerIterator it(A, rows[i]); it; ++it)
+      if (position[std::size_t(it.col())] >= 0) triplets.emplace_back(int(i), position[std::size_t(it.col())], it.value());
+  RowMatrix part(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
+  part.setFromTriplets(triplets.begin(), triplets.end());
+  return part;
+}
+
+// y := beta y + alpha x
+void update(const Teuchos::ArrayRCP<double>& y, double beta, double alpha, const Eigen::VectorXd& x) {
+  for (Eigen::Index i = 0; i < x.size(); ++i) y[i] = (beta == 0 ? 0.0 : beta * y[i]) + alpha * x[i];
 }
 
 }  // namespace
 
 ContactBlock::ContactBlock(RCP<const DualPreconditioner> preconditioner) : preconditioner_(std::move(preconditioner)) {
-  findNearRows();
+  findUnknowns(findNearRows());
+  gram_ = submatrix(preconditioner_->gram().inverse(), contactRows_, near_->rows());
 }
 
-void ContactBlock::findNearRows() {
+GlobalMarks ContactBlock::findNearRows() {
   const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
   const auto& kinds = multipliers.kinds();
-  const auto& inverse = preconditioner_->gram().inverse();
-  Vector mine(multipliers.map()), remote(multipliers.remote().map());
-  std::vector<int> position(kinds.size(), -1);
-  {
-    const auto marks = mine.getDataNonConst(0);
-    for (std::size_t row = 0; row < kinds.size(); ++row) {
-      if (isEquality(kinds[row])) continue;
-      marks[row] = 1;
-      for (RowMatrix::InnerIterator it(inverse, Eigen::Index(row)); it; ++it) marks[it.col()] = 1;
-    }
-    for (std::size_t row = 0; row < kinds.size(); ++row)
-      if (marks[row] != 0) {
-        position[row] = int(near_.size());
-        near_.push_back(int(row));
-        isContact_.push_back(!isEquality(kinds[row]));
-      }
+  std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
+  for (std::size_t row = 0; row < kinds.size(); ++row) {
+    if (isEquality(kinds[row])) continue;
+    contactRows_.push_back(int(row));
+    marks[row] = 1;
+    for (RowMatrix::InnerIterator it(preconditioner_->gram().inverse(), Eigen::Index(row)); it; ++it) marks[std::size_t(it.col())] = 1;
   }
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t i = 0; i < near_.size(); ++i)
-    for (RowMatrix::InnerIterator it(inverse, near_[i]); it; ++it)
-      if (position[it.col()] >= 0) triplets.emplace_back(int(i), position[it.col()], it.value());
-  gram_.resize(Eigen::Index(near_.size()), Eigen::Index(near_.size()));
-  gram_.setFromTriplets(triplets.begin(), triplets.end());
-
-  multipliers.remote().fetch(mine, remote);
-  std::vector<char> isNear;
-  for (double mark : mine.getData(0)) isNear.push_back(mark != 0);
-  for (double mark : remote.getData(0)) isNear.push_back(mark != 0);
-  nearMap_ = subsetMap(*multipliers.map(), [&](int row) { return position[std::size_t(row)] >= 0; });
-  remote_ = std::make_unique<RemoteRows>(nearMap_, subsetMap(*multipliers.overlapMap(), [&](int row) { return isNear[std::size_t(row)] != 0; }));
-  findUnknowns(isNear);
+  return shareMarks(multipliers, marks);
 }
 
 // The unknowns of the nodes of near rows; the compact vector holds those of a class's active members one after another.
-void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
+void ContactBlock::findUnknowns(const GlobalMarks& isNear) {
   const JumpOperator& jump = preconditioner_->jump();
-  const auto& overlapEntries = jump.multipliers().overlapEntries();
   std::vector<std::set<int>> nodes(jump.primalOffsets().size() - 1);
-  for (const auto& entry : overlapEntries)
-    if (isNear[entry.row]) nodes[entry.subdomain - jump.firstSubdomain()].insert(entry.dof / 3);
+  for (const auto& entry : jump.multipliers().overlapEntries())
+    if (isNear[std::size_t(entry.row)]) nodes[std::size_t(entry.subdomain - jump.firstSubdomain())].insert(entry.dof / 3);
 
   const auto& members = preconditioner_->systems().members();
   unknowns_.resize(members.size());
   dense_.resize(members.size());
   active_.resize(members.size());
+  Eigen::Index size = 0;
   std::vector<Eigen::Index> offset(nodes.size(), -1);
   std::vector<std::vector<int>> positionOf(members.size());  // local dof -> position in the list
   for (std::size_t c = 0; c < members.size(); ++c) {
     std::set<int> all;
-    for (int member : members[c]) all.insert(nodes[member].begin(), nodes[member].end());
+    for (int member : members[c]) all.insert(nodes[std::size_t(member)].begin(), nodes[std::size_t(member)].end());
     const auto& boundary = preconditioner_->boundary(int(c));
     const bool isDense = 3 * all.size() <= std::size_t(kLargestDense);
     for (std::size_t i = 0; i < boundary.size() && !all.empty(); ++i) {
@@ -90,23 +93,18 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
       unknowns_[c].push_back(int(i));
     }
     if (isDense && !all.empty()) dense_[c] = denseBlock(int(c));
-    first_.push_back(size_);
+    first_.push_back(size);
     for (int member : members[c]) {
-      if (nodes[member].empty()) continue;
-      offset[std::size_t(member)] = size_;
-      size_ += Eigen::Index(unknowns_[c].size());
+      if (nodes[std::size_t(member)].empty()) continue;
+      offset[std::size_t(member)] = size;
+      size += Eigen::Index(unknowns_[c].size());
       active_[c].push_back(member);
     }
   }
-  std::vector<int> rowOf(isNear.size(), -1);
-  for (std::size_t row = 0, next = 0; row < isNear.size(); ++row)
-    if (isNear[row]) rowOf[row] = int(next++);
-  for (const auto& entry : overlapEntries) {
-    if (!isNear[entry.row]) continue;
-    const int member = entry.subdomain - jump.firstSubdomain();
-    const auto& position = positionOf[std::size_t(preconditioner_->systems()[member].congruenceClass)];
-    entries_.push_back({rowOf[entry.row], int(offset[std::size_t(member)]) + position[std::size_t(entry.dof)], entry.value / entry.weight});
-  }
+  near_ = std::make_unique<CompactRows>(jump.multipliers(), isNear, size, [&](int subdomain, int dof) {
+    const int member = subdomain - jump.firstSubdomain();
+    return offset[std::size_t(member)] + positionOf[std::size_t(preconditioner_->systems()[member].congruenceClass)][std::size_t(dof)];
+  });
 }
 
 // Single precision wherever M itself has it: the block is read several times an iteration.
@@ -129,42 +127,89 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   }
 }
 
-// part := B_D S B_D^T part between near rows, B_D without its gram factor
-void ContactBlock::applyBetween(Eigen::VectorXd& part) const {
-  const Eigen::Index owned = part.size();
-  Eigen::VectorXd remote = remote_->fetch(part), t = Eigen::VectorXd::Zero(size_);
-  const auto at = [&](Eigen::Index row) -> double& { return row < owned ? part[row] : remote[row - owned]; };
-  for (const Entry& e : entries_) t[e.position] += e.value * at(e.row);
-  applyLocal(t);
-  part.setZero();
-  remote.setZero();
-  for (const Entry& e : entries_) at(e.row) += e.value * t[e.position];
-  remote_->addToOwners(remote, part);
+Eigen::VectorXd ContactBlock::collect(const Eigen::VectorXd& t) const {
+  const Eigen::VectorXd onContact = gram_ * near_->collect(t);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(preconditioner_->gram().inverse().rows());
+  for (std::size_t i = 0; i < contactRows_.size(); ++i) y[contactRows_[i]] = onContact[Eigen::Index(i)];
+  return y;
 }
 
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  Eigen::VectorXd part(Eigen::Index(near_.size()));
+  Eigen::VectorXd contact(Eigen::Index(contactRows_.size()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     {
       const auto in = x.getData(v);
-      for (std::size_t i = 0; i < near_.size(); ++i) part[Eigen::Index(i)] = isContact_[i] ? in[near_[i]] : 0.0;
+      for (std::size_t i = 0; i < contactRows_.size(); ++i) contact[Eigen::Index(i)] = in[contactRows_[i]];
     }
-    part = (gram_ * part).eval();
-    applyBetween(part);
-    part = (gram_ * part).eval();
-    const auto out = y.getDataNonConst(v);
-    for (auto& value : out) value = beta == 0 ? 0.0 : beta * value;
-    for (std::size_t i = 0; i < near_.size(); ++i)
-      if (isContact_[i]) out[near_[i]] += alpha * part[Eigen::Index(i)];
+    Eigen::VectorXd t = near_->spread(gram_.transpose() * contact);
+    applyLocal(t);
+    update(y.getDataNonConst(v), beta, alpha, collect(t));
   }
+}
+
+ContactRows::ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block)
+    : preconditioner_(std::move(preconditioner)), block_(std::move(block)) {
+  findTouchingRows();
+  std::vector<int> owned(preconditioner_->jump().multipliers().kinds().size());
+  std::iota(owned.begin(), owned.end(), 0);
+  gram_ = submatrix(preconditioner_->gram().inverse(), touching_->rows(), owned);
+}
+
+// The compact vector holds the boundaries of a class's active members one after another.
+void ContactRows::findTouchingRows() {
+  const JumpOperator& jump = preconditioner_->jump();
+  const auto& active = block_->activeMembers();
+  Eigen::Index size = 0;
+  std::vector<Eigen::Index> offset(jump.primalOffsets().size() - 1, -1);
+  std::vector<std::vector<int>> positionOf(active.size());  // local dof -> position in the boundary list
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    const auto& boundary = preconditioner_->boundary(int(c));
+    for (int member : active[c]) {
+      positionOf[c].assign(std::size_t(preconditioner_->systems()[member].R().rows()), -1);
+      offset[std::size_t(member)] = size;
+      size += Eigen::Index(boundary.size());
+    }
+    for (std::size_t i = 0; i < boundary.size() && !active[c].empty(); ++i) positionOf[c][std::size_t(boundary[i])] = int(i);
+  }
+  const auto place = [&](int subdomain, int dof) {
+    const int member = subdomain - jump.firstSubdomain();
+    const Eigen::Index first = offset[std::size_t(member)];
+    const int position = first < 0 ? -1 : positionOf[std::size_t(preconditioner_->systems()[member].congruenceClass)][std::size_t(dof)];
+    return position < 0 ? Eigen::Index(-1) : first + position;
+  };
+  const MultiplierMap& multipliers = jump.multipliers();
+  std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
+  for (const auto& entry : multipliers.overlapEntries())
+    if (place(entry.subdomain, entry.dof) >= 0) marks[std::size_t(entry.row)] = 1;
+  touching_ = std::make_unique<CompactRows>(multipliers, shareMarks(multipliers, marks), size, place);
 }
 
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    Vector z(getRangeMap());
-    preconditioner_->applyOn(block_->activeMembers(), *x.getVector(v), z);
-    y.getVectorNonConst(v)->update(alpha, z, beta);
+    Eigen::VectorXd t;
+    {
+      const auto in = x.getData(v);
+      t = touching_->spread(gram_ * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size()));
+    }
+    update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(t)));
   }
+}
+
+// S t of the active members, at the unknowns that contact rows meet.
+Eigen::VectorXd ContactRows::multiplyActive(const Eigen::VectorXd& t) const {
+  const auto& active = block_->activeMembers();
+  std::vector<double> picked;
+  const double* from = t.data();
+  for (std::size_t c = 0; c < active.size(); ++c) {
+    if (active[c].empty()) continue;
+    const Eigen::Map<const Eigen::MatrixXd> X(from, preconditioner_->boundarySize(int(c)), Eigen::Index(active[c].size()));
+    from += X.size();
+    Eigen::MatrixXd Y(X.rows(), X.cols());
+    preconditioner_->applySchur(int(c), X, Y);
+    for (Eigen::Index j = 0; j < Y.cols(); ++j)
+      for (int i : block_->unknowns()[c]) picked.push_back(Y(i, j));
+  }
+  return Eigen::Map<const Eigen::VectorXd>(picked.data(), Eigen::Index(picked.size()));
 }
 
 }  // namespace Haptos

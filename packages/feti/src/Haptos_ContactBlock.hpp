@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <memory>
 
+#include "Haptos_CompactRows.hpp"
 #include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 
@@ -28,45 +29,40 @@ class ContactBlock final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
-  /// [classes] local subdomains with contact nodes: all that contact rows of M meet.
-  const std::vector<std::vector<int>>& activeMembers() const { return active_; }
+  /// \name What contact rows of M meet of the primal side.
+  /// @{
+  const std::vector<std::vector<int>>& activeMembers() const { return active_; }  ///< [classes] local subdomains with contact nodes
+  /// \brief [classes] positions in the boundary list, those of all contact nodes among them.
+  const std::vector<std::vector<int>>& unknowns() const { return unknowns_; }
+  /// \brief B_D t on contact rows.
+  ///
+  /// \param t the classes' [unknowns x active members] one after another.  \return [owned rows], 0 elsewhere.  Collective.
+  Eigen::VectorXd collect(const Eigen::VectorXd& t) const;
+  /// @}
 
  private:
-  // One nonzero of B_D^T: near row, the rank's own ones first, position in the compact vector of the active subdomains' unknowns.
-  struct Entry {
-    int row;
-    int position;
-    double value;
-  };
-
-  void findNearRows();
+  std::vector<char> findNearRows();
   void findUnknowns(const std::vector<char>& isNear);
   DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::VectorXd& t) const;
-  void applyBetween(Eigen::VectorXd& part) const;
 
   RCP<const DualPreconditioner> preconditioner_;
-  // "Near" rows share a node with a contact row: B_D couples those and no others.
-  std::vector<int> near_;                     // [near] owned rows
-  std::vector<char> isContact_;               // [near]
-  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [near x near] (B W B^T)^+
-  RCP<const Map> nearMap_;
-  std::unique_ptr<const RemoteRows> remote_;  // near rows of others
-  std::vector<Entry> entries_;
+  std::unique_ptr<const CompactRows> near_;   // rows that share a node with a contact row: B_D couples those and no others
+  std::vector<int> contactRows_;              // [contact rows] owned
+  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [contact rows x near rows] (B W B^T)^+
   std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
   std::vector<DenseSymmetric> dense_;         // [classes] S_cc; empty where all of S is applied
   std::vector<Eigen::Index> first_;           // [classes] of their part of the compact vector
-  Eigen::Index size_ = 0;
 };
 
-/// \brief M x on the contact rows, all rows of x counted; the other rows of the result are of no use.
+/// \brief M x on the contact rows, all rows of x counted; the other rows of the result are 0.
 ///
-/// Subdomains without contact nodes take no part.
+/// Only subdomains with contact nodes take part, and the rows that touch them.
 class ContactRows final : public Operator {
  public:
-  ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block)
-      : preconditioner_(std::move(preconditioner)), block_(std::move(block)) {}
+  /// Collective.
+  ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block);
 
   RCP<const Map> getDomainMap() const override { return preconditioner_->getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return preconditioner_->getRangeMap(); }
@@ -76,8 +72,13 @@ class ContactRows final : public Operator {
              double beta = 0.0) const override;
 
  private:
+  void findTouchingRows();
+  Eigen::VectorXd multiplyActive(const Eigen::VectorXd& t) const;
+
   RCP<const DualPreconditioner> preconditioner_;
   RCP<const ContactBlock> block_;
+  std::unique_ptr<const CompactRows> touching_;        // rows with unknowns of active subdomains, all of their boundaries
+  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [touching x owned rows] (B W B^T)^+
 };
 
 }  // namespace Haptos

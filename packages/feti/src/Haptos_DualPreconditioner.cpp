@@ -21,11 +21,11 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
     weights_[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof] = 1.0 / entry.weight;
 }
 
-void DualPreconditioner::applyLocal(MultiVector& t, const std::vector<std::vector<int>>& membersOfClass) const {
+void DualPreconditioner::applyLocal(MultiVector& t) const {
   const auto& offsets = jump_->primalOffsets();
   const auto data = t.getDataNonConst(0);
   for (int c = 0; c < surface_.numClasses(); ++c) {
-    const auto& members = membersOfClass[std::size_t(c)];
+    const auto& members = systems_->members()[std::size_t(c)];
     const auto& dofs = boundary(c);
     const Eigen::Index nb = Eigen::Index(dofs.size());
     for (std::size_t first = 0; first < members.size(); first += kBlock) {
@@ -61,17 +61,12 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   gram_.apply(z, y);
 }
 
-void DualPreconditioner::applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const {
-  MultiVector t(jump_->getDomainMap(), 1);
-  spread(x, t);
-  applyLocal(t, members);
-  collect(t, y);
-}
-
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
+  MultiVector t(jump_->getDomainMap(), 1), z(x.getMap(), 1);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    MultiVector z(x.getMap(), 1);
-    applyOn(systems_->members(), *x.getVector(v), z);
+    spread(*x.getVector(v), t);
+    applyLocal(t);
+    collect(t, z);
     y.getVectorNonConst(v)->update(alpha, z, beta);
     ++applications_;
   }

@@ -33,10 +33,6 @@ class DualPreconditioner final : public Operator {
 
   long applications() const { return applications_; }
 
-  /// \brief y := B_D S B_D^T x with S of the given members [classes] alone, one vector: the rows of M x that meet no other
-  /// subdomain; other rows are not those of M x.  Collective.
-  void applyOn(const std::vector<std::vector<int>>& members, const MultiVector& x, MultiVector& y) const;
-
   /// \brief t := B_D^T x, dual to primal.  Collective.
   void spread(const MultiVector& x, MultiVector& t) const;
   /// \brief y := B_D t, primal to dual; t is changed.  Collective.
@@ -58,7 +54,7 @@ class DualPreconditioner final : public Operator {
   Eigen::Index boundarySize(int congruenceClass) const { return Eigen::Index(boundary(congruenceClass).size()); }
 
  private:
-  void applyLocal(MultiVector& t, const std::vector<std::vector<int>>& members) const;
+  void applyLocal(MultiVector& t) const;
   void scale(MultiVector& t) const;  // t := W t
 
   RCP<const JumpOperator> jump_;

@@ -10,6 +10,7 @@ namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
+using SparseMatrix = Eigen::SparseMatrix<double>;
 using Storage = DenseSymmetric::Storage;
 using Precision = DenseSymmetric::Precision;
 
@@ -29,14 +30,18 @@ std::vector<int> complement(Index n, const std::vector<int>& listed) {
   return rest;
 }
 
-// K(rows, columns), dense.
-MatrixXd denseBlock(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows, const std::vector<int>& columns) {
+// K(rows, columns)
+SparseMatrix blockOf(const SparseMatrix& K, const std::vector<int>& rows, const std::vector<int>& columns) {
   std::vector<int> newRow(std::size_t(K.rows()), -1);
   for (std::size_t i = 0; i < rows.size(); ++i) newRow[std::size_t(rows[i])] = int(i);
-  MatrixXd block = MatrixXd::Zero(Index(rows.size()), Index(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(K, columns[j]); it; ++it)
-      if (newRow[std::size_t(it.row())] >= 0) block(newRow[std::size_t(it.row())], Index(j)) = it.value();
+  SparseMatrix block(Index(rows.size()), Index(columns.size()));
+  for (std::size_t j = 0; j < columns.size(); ++j) {
+    block.startVec(Index(j));
+    for (SparseMatrix::InnerIterator it(K, columns[j]); it; ++it)
+      if (newRow[std::size_t(it.row())] >= 0) block.insertBack(newRow[std::size_t(it.row())], Index(j)) = it.value();
+  }
+  block.finalize();
+  block.data().squeeze();
   return block;
 }
 
@@ -44,24 +49,25 @@ Storage storageFor(std::size_t members) { return members > 2 ? Storage::Full : S
 
 }  // namespace
 
-LocalCondensation::LocalCondensation(const Eigen::SparseMatrix<double>& K, const MatrixXd& kernel,
-                                     const std::vector<int>& boundary, std::size_t members, Scope scope)
-    : K_(K), kernel_(kernel), boundary_(boundary), interior_(complement(K.rows(), boundary)), storage_(storageFor(members)) {
+LocalCondensation::LocalCondensation(const SparseMatrix& K, const MatrixXd& kernel, const std::vector<int>& boundary,
+                                     std::size_t members, Scope scope)
+    : kernel_(kernel), boundary_(boundary), interior_(complement(K.rows(), boundary)), storage_(storageFor(members)) {
   TEUCHOS_ASSERT(K.rows() == K.cols() && K.rows() == kernel.rows());
-  MatrixXd Lii = denseBlock(K, interior_, interior_);
+  Kib_ = blockOf(K, interior_, boundary_);
+  MatrixXd Lii = blockOf(K, interior_, interior_);
   TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(Lii), std::runtime_error,
                              "LocalCondensation: the interior of a subdomain of " << K.rows() << " unknowns is not held by its boundary");
-  const MatrixXd S = schurComplement(Lii);
+  const MatrixXd S = schurComplement(K, Lii);
   schur_ = DenseSymmetric(S, storage_, Precision::Single);
   if (scope == Scope::SchurOnly) return;
-  requireKernel();
+  requireKernel(K);
   interiorFactor_ = DenseCholesky(std::move(Lii), storage_);
   formInverse(S);
-  requireAccuracy();
+  requireAccuracy(K);
 }
 
-MatrixXd LocalCondensation::schurComplement(MatrixXd& Lii) const {
-  MatrixXd S = denseBlock(K_, boundary_, boundary_), Kib = denseBlock(K_, interior_, boundary_);
+MatrixXd LocalCondensation::schurComplement(const SparseMatrix& K, MatrixXd& Lii) const {
+  MatrixXd S = blockOf(K, boundary_, boundary_), Kib = Kib_;
   Lapack::solveLower(Lii, Kib);
   Lapack::subtractGram(Kib, S);
   return S;
@@ -78,14 +84,14 @@ void LocalCondensation::formInverse(const MatrixXd& S) {
     Lapack::addSymmetricProduct(0.5 * rho, Q, Q, A);
   }
   TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(A), std::runtime_error,
-                             "LocalCondensation: a subdomain of " << K_.rows() << " unknowns has a motion without energy outside its kernel");
+                             "LocalCondensation: a subdomain of " << kernel_.rows() << " unknowns has a motion without energy outside its kernel");
   Lapack::invertFromCholesky(A);
   if (k > 0) {
     MatrixXd t = Ri;
     interiorFactor_.solve(t);
-    const MatrixXd g = Rb - coupleToBoundary(t);
+    const MatrixXd g = Rb - Kib_.transpose() * t;
     const MatrixXd Wb = A.selfadjointView<Eigen::Lower>() * g;
-    MatrixXd Wi = coupleToInterior(Wb);
+    MatrixXd Wi = Kib_ * Wb;
     interiorFactor_.solve(Wi);
     const MatrixXd RW = Rb.transpose() * Wb + Ri.transpose() * (t - Wi);
     Lapack::addSymmetricProduct(-1.0, Rb, Wb - 0.5 * Rb * RW, A);
@@ -93,29 +99,15 @@ void LocalCondensation::formInverse(const MatrixXd& S) {
   inverse_ = DenseSymmetric(A, storage_, Precision::Double);
 }
 
-// K_ib x
-MatrixXd LocalCondensation::coupleToInterior(const MatrixXd& onBoundary) const {
-  MatrixXd full = MatrixXd::Zero(K_.rows(), onBoundary.cols());
-  for (std::size_t i = 0; i < boundary_.size(); ++i) full.row(boundary_[i]) = onBoundary.row(Index(i));
-  return rowsOf(MatrixXd(K_ * full), interior_);
-}
-
-// K_bi x
-MatrixXd LocalCondensation::coupleToBoundary(const MatrixXd& onInterior) const {
-  MatrixXd full = MatrixXd::Zero(K_.rows(), onInterior.cols());
-  for (std::size_t i = 0; i < interior_.size(); ++i) full.row(interior_[i]) = onInterior.row(Index(i));
-  return rowsOf(MatrixXd(K_ * full), boundary_);
-}
-
 void LocalCondensation::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<MatrixXd> X) const {
-  TEUCHOS_ASSERT(B.rows() == K_.rows() && X.rows() == B.rows() && X.cols() == B.cols());
+  TEUCHOS_ASSERT(B.rows() == kernel_.rows() && X.rows() == B.rows() && X.cols() == B.cols());
   MatrixXd balanced = B;
   balanced -= kernel_ * MatrixXd(kernel_.transpose() * B);
   MatrixXd t = rowsOf(balanced, interior_);
   interiorFactor_.solve(t);
   MatrixXd ub(Index(boundary_.size()), B.cols());
-  inverse_.apply(rowsOf(balanced, boundary_) - coupleToBoundary(t), ub);
-  MatrixXd coupled = coupleToInterior(ub);
+  inverse_.apply(rowsOf(balanced, boundary_) - Kib_.transpose() * t, ub);
+  MatrixXd coupled = Kib_ * ub;
   interiorFactor_.solve(coupled);
   t -= coupled;
   for (std::size_t i = 0; i < boundary_.size(); ++i) X.row(boundary_[i]) = ub.row(Index(i));
@@ -124,22 +116,22 @@ void LocalCondensation::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<Ma
   X -= kernel_ * rigid;
 }
 
-void LocalCondensation::requireKernel() const {
-  const double error = (K_ * kernel_).norm() / K_.norm();
+void LocalCondensation::requireKernel(const SparseMatrix& K) const {
+  const double error = (K * kernel_).norm() / K.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(error <= 1e-8), std::runtime_error,
-                             "LocalCondensation: the kernel given with a subdomain of " << K_.rows()
+                             "LocalCondensation: the kernel given with a subdomain of " << K.rows()
                                  << " unknowns is not in the kernel of its stiffness, |K R| / |K| = " << error);
 }
 
 // K K^+ K = K on one vector: a motion without energy that R lacks would show.
-void LocalCondensation::requireAccuracy() const {
-  MatrixXd probe(K_.rows(), 1), answer(K_.rows(), 1);
+void LocalCondensation::requireAccuracy(const SparseMatrix& K) const {
+  MatrixXd probe(K.rows(), 1), answer(K.rows(), 1);
   for (Index i = 0; i < probe.size(); ++i) probe(i, 0) = std::sin(1.0 + 7.0 * double(i) + 0.3 * double(i % 11));
   solve(probe, answer);
   probe -= kernel_ * MatrixXd(kernel_.transpose() * probe);
-  const double residual = (probe - K_ * answer).norm() / probe.norm();
+  const double residual = (probe - K * answer).norm() / probe.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(residual <= 1e-4), std::runtime_error,
-                             "LocalCondensation: the inverse of a subdomain of " << K_.rows() << " unknowns is useless (relative residual "
+                             "LocalCondensation: the inverse of a subdomain of " << K.rows() << " unknowns is useless (relative residual "
                                  << residual << ")");
 }
 

@@ -23,8 +23,8 @@ class LocalCondensation {
  public:
   enum class Scope { SchurOnly, Both };
 
-  /// \param K        n x n, both triangles stored; kept by reference, it must outlive this object
-  /// \param kernel   R, n x k, orthonormal columns; by reference too
+  /// \param K        n x n, both triangles stored; needed by the constructor only
+  /// \param kernel   R, n x k, orthonormal columns; kept by reference, it must outlive this object
   /// \param boundary local unknowns, ascending
   /// \param members  how many subdomains share it: decides how the matrices are stored
   /// \throws std::runtime_error if K R is not zero, K_ii is singular or K has a zero-energy motion outside R
@@ -53,17 +53,16 @@ class LocalCondensation {
   static Cost cost(double n, double nb, std::size_t members);
 
  private:
-  Eigen::MatrixXd schurComplement(Eigen::MatrixXd& Lii) const;
+  using SparseMatrix = Eigen::SparseMatrix<double>;
+  Eigen::MatrixXd schurComplement(const SparseMatrix& K, Eigen::MatrixXd& Lii) const;
   void formInverse(const Eigen::MatrixXd& S);
-  Eigen::MatrixXd coupleToInterior(const Eigen::MatrixXd& onBoundary) const;
-  Eigen::MatrixXd coupleToBoundary(const Eigen::MatrixXd& onInterior) const;
-  void requireKernel() const;
-  void requireAccuracy() const;
+  void requireKernel(const SparseMatrix& K) const;
+  void requireAccuracy(const SparseMatrix& K) const;
 
-  const Eigen::SparseMatrix<double>& K_;
   const Eigen::MatrixXd& kernel_;
   std::vector<int> boundary_, interior_;
   DenseSymmetric::Storage storage_;
+  SparseMatrix Kib_;
   DenseCholesky interiorFactor_;
   DenseSymmetric schur_, inverse_;
 };

@@ -175,13 +175,11 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
     }
     if (!lastUse) continue;
     lastUse(c);
-    releaseStiffness(c);  // before the next class: its pages serve that one's factor
+    releaseStiffness(c);  // before the next class: its pages serve that one's matrices
   }
 }
 
-void LocalSystems::releaseStiffness(int c) {
-  if (condensationOf(c) == nullptr) letGo(systems_[representative_[c]].K);
-}
+void LocalSystems::releaseStiffness(int c) { letGo(systems_[representative_[c]].K); }
 
 void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains) {
   findClasses();

@@ -49,7 +49,7 @@ class LocalSystems {
   ///
   /// \param jump rows of B, whose unknowns a condensed subdomain keeps beside its surface
   /// \param mayUse bytes that dense matrices may take on this rank, as far as `dual` leaves the choice
-  /// \param lastUse if given, called for every class, and K of a factored one is let go after it: half of the memory
+  /// \param lastUse if given, called for every class, and K of it is let go after it: half of the memory
   void factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method, LocalDual dual,
               double mayUse = 4e9, const std::function<void(int congruenceClass)>& lastUse = {});
 
@@ -66,7 +66,7 @@ class LocalSystems {
   const Eigen::SparseMatrix<double>& stiffness(int congruenceClass) const { return systems_[representative_[congruenceClass]].K; }
   /// \brief Sums of |K_ij| over the unknowns j of one component, [n x 3]: what round-off in K u is proportional to.
   const Eigen::MatrixX3d& magnitude(int i) const { return systems_[copyOf_[i] >= 0 ? copyOf_[i] : i].magnitude; }
-  /// \brief Lets K of a class go, unless its dense matrices need it.
+  /// \brief Lets K of a class go.
   void releaseStiffness(int congruenceClass);
   /// \brief Factor of a class, null where it is condensed.
   const LocalSolver* solverOf(int congruenceClass) const { return solvers_[congruenceClass].get(); }

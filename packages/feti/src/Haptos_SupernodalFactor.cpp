@@ -52,15 +52,13 @@ SupernodalFactor<Scalar>::SupernodalFactor(const SupernodeView& v) : perm_(v.per
 template <class Scalar>
 void SupernodalFactor<Scalar>::append(const Supernode& node, const double* block) {
   const int n = node.columns, rows = n + node.rowsBelow;
-  for (int j = 0; j < n; ++j) {
-    const double* column = block + std::size_t(j) * std::size_t(rows);
-    entries_.push_back(Scalar(scale_ / column[j]));
-    for (int i = j + 1; i < n; ++i) entries_.push_back(Scalar(column[i] / scale_));
-  }
-  for (int j = 0; j < n; ++j) {
-    const double* column = block + std::size_t(j) * std::size_t(rows);
-    for (int i = n; i < rows; ++i) entries_.push_back(Scalar(column[i] / scale_));
-    entries_.resize(entries_.size() + std::size_t(node.storedRows - node.rowsBelow), Scalar(0));
+  entries_.resize(node.rectangle + std::size_t(n) * std::size_t(node.storedRows), Scalar(0));
+  Scalar *triangle = entries_.data() + node.triangle, *rectangle = entries_.data() + node.rectangle;
+  const double scale = scale_, unit = 1 / scale_;
+  for (int j = 0; j < n; ++j, block += rows, rectangle += node.storedRows) {
+    *triangle++ = Scalar(scale / block[j]);
+    for (int i = j + 1; i < n; ++i) *triangle++ = Scalar(block[i] * unit);
+    for (int i = n; i < rows; ++i) rectangle[i - n] = Scalar(block[i] * unit);
   }
 }
 
