@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "Haptos_DenseSymmetric.hpp"
+
 #if defined(HAPTOS_HAVE_CHOLMOD)
 #include <cholmod.h>
 #endif
@@ -82,7 +84,7 @@ std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomai
 class OrderedMatrix {
  public:
   OrderedMatrix(const CoarseElimination::Parts& A, const std::vector<int>& order);
-  void shiftDiagonal(int from);
+  void makeIndefinite(int column);
   cholmod_sparse view() { return columns_.view(-1); }
 
  private:
@@ -132,17 +134,19 @@ void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
   }
 }
 
-// Adds the largest diagonal entry to those from this column on.
-void OrderedMatrix::shiftDiagonal(int from) {
+// In this column, so that a factorisation ends there.
+void OrderedMatrix::makeIndefinite(int column) {
   double largest = 0;
   for (std::size_t j = 0; j + 1 < columns_.starts.size(); ++j) largest = std::max(largest, columns_.values[std::size_t(columns_.starts[j])]);
-  for (std::size_t j = std::size_t(from); j + 1 < columns_.starts.size(); ++j) columns_.values[std::size_t(columns_.starts[j])] += largest;
+  columns_.values[std::size_t(columns_.starts[std::size_t(column)])] = -largest;
 }
 
-// A supernodal factor A = L L^T in the order in which A is given.
+// The first columns of a supernodal factor A = L L^T, in the order in which A is given; A is not definite in the next one.
+// CHOLMOD then stops, keeps what came before and tells where it is (`minor`), also within a supernode: the rest, dense
+// and not wanted, would be most of the work.
 class CholmodFactor {
  public:
-  CholmodFactor(cholmod_sparse A, CholmodCommon& common);
+  CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommon& common);
   ~CholmodFactor() { cholmod_free_factor(&factor_, &common_); }
   CholmodFactor(const CholmodFactor&) = delete;
   CholmodFactor& operator=(const CholmodFactor&) = delete;
@@ -154,19 +158,20 @@ class CholmodFactor {
   cholmod_factor* factor_;
 };
 
-CholmodFactor::CholmodFactor(cholmod_sparse A, CholmodCommon& common) : common_(common) {
-  common.quick_return_if_not_posdef = 1;
+CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommon& common) : common_(common) {
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.nmethods = 1;
   common.method[0].ordering = CHOLMOD_NATURAL;
   common.postorder = 0;  // it might move others behind the last
   factor_ = cholmod_analyze(&A, &common);
   if (factor_ != nullptr) cholmod_factorize(&A, factor_, &common);
-  if (common.status == CHOLMOD_OK && factor_->minor == factor_->n) return;
+  if (common.status == CHOLMOD_NOT_POSDEF && factor_->minor == columns) return;
+  const bool isIndefinite = common.status == CHOLMOD_NOT_POSDEF && factor_->minor < columns;
+  const int status = common.status;
   cholmod_free_factor(&factor_, &common);  // no destructor runs after a constructor that throws
-  TEUCHOS_TEST_FOR_EXCEPTION(common.status == CHOLMOD_NOT_POSDEF, std::runtime_error,
+  TEUCHOS_TEST_FOR_EXCEPTION(isIndefinite, std::runtime_error,
                              "CHOLMOD: the coarse matrix of " << A.nrow << " unknowns is not positive definite");
-  throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(common.status));
+  throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(status));
 }
 
 }  // namespace
@@ -179,10 +184,10 @@ bool CoarseElimination::pays(Eigen::Index unknowns, Eigen::Index last) {
 void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& last) {
   CholmodCommon common;
   const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, last, common);
-  startSchur(A, order);
+  Eigen::MatrixXd schur = startSchur(A, order);
   OrderedMatrix ordered(A, order);
-  ordered.shiftDiagonal(int(numOthers_));  // the last columns of L are not used; they must exist
-  const CholmodFactor factor(ordered.view(), common);
+  ordered.makeIndefinite(int(numOthers_));
+  const CholmodFactor factor(ordered.view(), std::size_t(numOthers_), common);
   const auto ints = [](const void* p) { return static_cast<const int*>(p); };
   const int* ends = ints((*factor).super);
   std::vector<int> super{0};
@@ -190,7 +195,8 @@ void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& 
   const SupernodeView L{int(size_), int(super.size()) - 1, super.data(), ints((*factor).pi), ints((*factor).px), ints((*factor).s),
                         perm_.data(), static_cast<const double*>((*factor).x)};
   others_ = SupernodalFactor<double>(L);
-  subtractFromSchur(L);
+  subtractFromSchur(L, schur);
+  schur_ = Lapack::packLower(schur);
 }
 #else
 bool CoarseElimination::pays(Eigen::Index, Eigen::Index) { return false; }
@@ -204,19 +210,20 @@ CoarseElimination::CoarseElimination(Eigen::Index unknowns, const Parts& A, cons
     : size_(unknowns), numOthers_(size_ - kModes * Eigen::Index(last.size())), place_(std::size_t(size_ / kModes), -1) {
   TEUCHOS_ASSERT(!last.empty() && numOthers_ >= 0);
   if (numOthers_ > 0) eliminateOthers(A, last);
-  else startSchur(A, last);
+  else schur_ = Lapack::packLower(startSchur(A, last));
 }
 
 // A_cc, c: the last unknowns
-void CoarseElimination::startSchur(const Parts& A, const std::vector<int>& order) {
+Eigen::MatrixXd CoarseElimination::startSchur(const Parts& A, const std::vector<int>& order) {
   perm_ = expanded(order);
   for (Eigen::Index i = numOthers_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - numOthers_);
-  schur_ = Eigen::MatrixXd::Zero(size_ - numOthers_, size_ - numOthers_);
-  for (const CoarseBlocks* part : A) addLast(*part, schur_);
+  Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(numLast(), numLast());
+  for (const CoarseBlocks* part : A) addLast(*part, schur);
+  return schur;
 }
 
 // A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, o: the others
-void CoarseElimination::subtractFromSchur(const SupernodeView& L) {
+void CoarseElimination::subtractFromSchur(const SupernodeView& L, Eigen::MatrixXd& schur) const {
   for (int k = 0; k < L.supernodes; ++k) {
     const int *begin = L.s + L.pi[k], *end = L.s + L.pi[k + 1], *last = std::lower_bound(begin, end, int(numOthers_));
     const int m = int(end - last);
@@ -225,7 +232,7 @@ void CoarseElimination::subtractFromSchur(const SupernodeView& L) {
     Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::NO_TRANS, m, L.super[k + 1] - L.super[k], 1.0,
                                       L.x + L.px[k] + (last - begin), int(end - begin), 0.0, product.data(), m);
     for (int j = 0; j < m; ++j)
-      for (int i = j; i < m; ++i) schur_(last[i] - numOthers_, last[j] - numOthers_) -= product(i, j);
+      for (int i = j; i < m; ++i) schur(last[i] - numOthers_, last[j] - numOthers_) -= product(i, j);
   }
 }
 

@@ -29,7 +29,8 @@ class CoarseElimination {
   /// \brief The solution [l x m] from what `eliminate` gave, its last rows solved for.
   Eigen::MatrixXd substituteBack(const Eigen::MatrixXd& Y) const;
 
-  const Eigen::MatrixXd& schur() const { return schur_; }  ///< S, lower triangle
+  Eigen::Index numLast() const { return size_ - numOthers_; }   ///< unknowns that are not eliminated
+  const std::vector<double>& schur() const { return schur_; }  ///< S, lower triangle, packed (Lapack::packLower)
   /// \brief Adds blocks of the last subdomains to the lower triangle of a matrix like S; others are left out.
   void addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const;
   bool isLast(int subdomain) const { return place_[std::size_t(subdomain)] >= 0; }
@@ -39,14 +40,14 @@ class CoarseElimination {
 
  private:
   void eliminateOthers(const Parts& A, const std::vector<int>& last);
-  void startSchur(const Parts& A, const std::vector<int>& order);
-  void subtractFromSchur(const SupernodeView& L);
+  Eigen::MatrixXd startSchur(const Parts& A, const std::vector<int>& order);
+  void subtractFromSchur(const SupernodeView& L, Eigen::MatrixXd& schur) const;
 
   Eigen::Index size_, numOthers_;    // unknowns, of which this many are eliminated
   std::vector<int> place_;           // [subdomains] first row in the Schur complement, -1: none
   std::vector<int> perm_;
   SupernodalFactor<double> others_;  // L's columns of the others; nothing if there are none
-  Eigen::MatrixXd schur_;
+  std::vector<double> schur_;
 };
 
 }  // namespace Haptos

@@ -81,6 +81,7 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
   if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
+  if (when == Factor::WithRoughRenewal) precision_ = FactorPrecision::Single;
   if (when == Factor::Now) factor(std::move(first));
 }
 
@@ -90,7 +91,7 @@ CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   addHolds(holds, fixed_->largestDiagonal());
   condenses_ = whole.condenses_ && holds.empty() && !whole.isHeld_;
-  if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CondensedFactor>(whole.condensed_->elimination());
+  if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CondensedFactor>(whole.condensed_->elimination(), precision_);
   factor({});
 }
 
@@ -143,7 +144,7 @@ void CoarseProblem::factorWhole() {
 void CoarseProblem::factorCondensed() {
   if (!condensed_) {
     const CoarseElimination::Parts stays{fixed_.get(), &held_};
-    condensed_ = std::make_unique<CondensedFactor>(std::make_shared<const CoarseElimination>(size_, stays, changing_));
+    condensed_ = std::make_unique<CondensedFactor>(std::make_shared<const CoarseElimination>(size_, stays, changing_), precision_);
   }
   condensed_->renew(changingBlocks_);
 }

@@ -31,11 +31,13 @@ class CoarseProblem {
     const CoarseRows& rows;
     const std::vector<double>& q;
   };
-  enum class Factor { Now, WithRenewal };
+  /// \brief With the changing rows of the construction, or with those that `renew` brings before any solve.
+  ///
+  /// `Rough`, for preconditioners: what changes is factored in single precision as long as that gives three digits.
+  enum class Factor { Now, WithRenewal, WithRoughRenewal };
   /// \brief A = C^T diag(q) C of the fixed rows and of those that change.
   ///
-  /// \param changing all pairs of subdomains that changing rows may touch
-  /// \param when with these changing rows now, or with those that `renew` brings, before any solve.  Collective.
+  /// \param changing all pairs of subdomains that changing rows may touch.  Collective.
   CoarseProblem(Placement placement, const Weighted& fixed, const Weighted& changing, const Holds& holds, Factor when = Factor::WithRenewal);
 
   /// \brief The matrix of the fixed rows of `whole` alone, which was factored before; `holds` of its own.  Collective.
@@ -103,6 +105,7 @@ class CoarseProblem {
   CoarseMatrix matrix_;          // where nothing is condensed
   bool isHeld_ = false;          // on all ranks: there are holds
   bool condenses_ = false;       // on all ranks
+  FactorPrecision precision_ = FactorPrecision::Double;  // of what changes
   std::vector<int> changing_;    // subdomains to condense to, on the holders
   std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
   std::unique_ptr<CondensedFactor> condensed_;

@@ -9,12 +9,20 @@ namespace Haptos {
 void CondensedFactor::renew(const CoarseBlocks& E) {
   for (const auto& [key, block] : E.blocks())
     TEUCHOS_ASSERT(A_->isLast(CoarseBlocks::row(key)) && A_->isLast(CoarseBlocks::column(key)));
-  Eigen::MatrixXd L = A_->schur();
-  A_->addLast(E, L);
-  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(L), std::runtime_error,
+  Eigen::MatrixXd sum(schurSize(), schurSize());
+  Lapack::unpackLower(A_->schur(), sum);
+  A_->addLast(E, sum);
+  isSingle_ = precision_ == FactorPrecision::Single && single_.factor(sum);
+  if (isSingle_) return;
+  TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(sum), std::runtime_error,
                              "the coarse matrix of " << A_->order().size() << " unknowns is not positive definite in the " << schurSize()
                                                      << " that change");
-  changing_ = DenseCholesky(std::move(L), DenseSymmetric::Storage::Full);
+  double_ = DenseCholesky(std::move(sum), DenseSymmetric::Storage::Packed);
+}
+
+void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
+  if (isSingle_) single_.solve(last);
+  else double_.solve(last);
 }
 
 Eigen::MatrixXd CondensedFactor::solve(const Eigen::MatrixXd& B) const {

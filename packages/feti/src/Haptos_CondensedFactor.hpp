@@ -4,6 +4,7 @@
 
 #include "Haptos_CoarseElimination.hpp"
 #include "Haptos_DenseSymmetric.hpp"
+#include "Haptos_LocalSolverFactor.hpp"
 
 namespace Haptos {
 
@@ -13,7 +14,8 @@ namespace Haptos {
 /// that sum alone.  No function communicates.
 class CondensedFactor {
  public:
-  explicit CondensedFactor(std::shared_ptr<const CoarseElimination> A) : A_(std::move(A)) {}
+  /// \param precision of the factor of S + E; single as long as that gives three digits
+  CondensedFactor(std::shared_ptr<const CoarseElimination> A, FactorPrecision precision) : A_(std::move(A)), precision_(precision) {}
 
   /// \brief Factors S + E; must be called before the first solve.  \param E in subdomains that A was eliminated to.
   /// \throws std::runtime_error if it is not positive definite.
@@ -22,15 +24,20 @@ class CondensedFactor {
   /// \brief (A + E)^-1 B [l x m]
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   /// \brief The last rows of what `eliminate` gave := (S + E)^-1 times them.
-  void solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const { changing_.solve(last); }
+  void solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const;
+  /// \brief Of today's factor of S + E.
+  FactorPrecision precision() const { return isSingle_ ? FactorPrecision::Single : FactorPrecision::Double; }
 
   const std::shared_ptr<const CoarseElimination>& elimination() const { return A_; }
-  Eigen::Index schurSize() const { return A_->schur().rows(); }
+  Eigen::Index schurSize() const { return A_->numLast(); }
   std::size_t factorEntries() const { return A_->entries(); }
 
  private:
   std::shared_ptr<const CoarseElimination> A_;
-  DenseCholesky changing_;  // of S + E
+  FactorPrecision precision_;
+  bool isSingle_ = false;
+  DenseCholesky double_;  // of S + E, one of the two
+  SingleCholesky single_;
 };
 
 }  // namespace Haptos

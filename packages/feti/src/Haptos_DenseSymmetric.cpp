@@ -5,6 +5,7 @@
 #include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
+#include <cmath>
 
 // Not in Teuchos::BLAS.
 extern "C" {
@@ -17,6 +18,7 @@ void dsyr2k_(const char* uplo, const char* trans, const int* n, const int* k, co
 void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda, double* x,
             const int* incx);
 void dtpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* ap, double* x, const int* incx);
+void stpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* ap, float* x, const int* incx);
 }
 
 namespace Haptos {
@@ -26,13 +28,13 @@ const int kOne = 1;
 
 int leading(const Eigen::MatrixXd& A) { return std::max(1, int(A.outerStride())); }
 
-template <class Scalar>
-std::vector<Scalar> pack(const Eigen::MatrixXd& lower, double factor) {
+template <class Scalar, class Matrix>
+std::vector<Scalar> pack(const Matrix& lower, double factor) {
   const Eigen::Index n = lower.rows();
   std::vector<Scalar> packed(std::size_t(n) * std::size_t(n + 1) / 2);
   Scalar* to = packed.data();
   for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::Index i = j; i < n; ++i) *to++ = Scalar(factor * lower(i, j));
+    for (Eigen::Index i = j; i < n; ++i) *to++ = Scalar(factor * double(lower(i, j)));
   return packed;
 }
 
@@ -80,6 +82,15 @@ void addSymmetricProduct(double alpha, const Eigen::MatrixXd& A, const Eigen::Ma
   const int n = int(A.rows()), k = int(A.cols()), lda = leading(A), ldb = leading(B), ldc = leading(C);
   const double one = 1;
   dsyr2k_("L", "N", &n, &k, &alpha, A.data(), &lda, B.data(), &ldb, &one, C.data(), &ldc);
+}
+
+std::vector<double> packLower(const Eigen::MatrixXd& A) { return pack<double>(A, 1); }
+
+void unpackLower(const std::vector<double>& packed, Eigen::MatrixXd& A) {
+  TEUCHOS_ASSERT(packed.size() == std::size_t(A.rows()) * std::size_t(A.rows() + 1) / 2);
+  const double* from = packed.data();
+  for (Eigen::Index j = 0; j < A.rows(); ++j)
+    for (Eigen::Index i = j; i < A.rows(); ++i) A(i, j) = *from++;
 }
 
 }  // namespace Lapack
@@ -147,7 +158,7 @@ std::size_t DenseSymmetric::bytes(Eigen::Index n, Storage storage, Precision pre
 
 DenseCholesky::DenseCholesky(Eigen::MatrixXd L, DenseSymmetric::Storage storage) : n_(L.rows()) {
   if (storage == DenseSymmetric::Storage::Full) full_ = std::move(L);
-  else packed_ = pack<double>(L, 1);
+  else packed_ = Lapack::packLower(L);
 }
 
 void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
@@ -167,6 +178,38 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   for (Eigen::Index j = 0; j < B.cols(); ++j) {
     dtpsv_("L", "N", "N", &n, packed_.data(), B.col(j).data(), &kOne);
     dtpsv_("L", "T", "N", &n, packed_.data(), B.col(j).data(), &kOne);
+  }
+}
+
+bool SingleCholesky::factor(const Eigen::MatrixXd& A) {
+  constexpr double kThreeDigits = 1e-3;
+  const Eigen::Index n = A.rows();
+  if (n == 0) return true;
+  if (!(A.diagonal().minCoeff() > 0)) return false;
+  scale_ = A.diagonal().cwiseSqrt().cwiseInverse();
+  Eigen::MatrixXf L(n, n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    L.col(j).tail(n - j) = (scale_[j] * scale_.tail(n - j).cwiseProduct(A.col(j).tail(n - j))).cast<float>();
+  int info = 0;
+  Teuchos::LAPACK<int, float>().POTRF('L', int(n), L.data(), int(n), &info);
+  if (info != 0) return false;
+  L_ = pack<float>(L, 1);
+  Eigen::VectorXd known(n);  // in the scale of the unknowns
+  for (Eigen::Index i = 0; i < n; ++i) known[i] = std::sin(1.0 + 7.0 * double(i)) * scale_[i];
+  Eigen::MatrixXd x = A.selfadjointView<Eigen::Lower>() * known;
+  solve(x);
+  return (x - known).cwiseQuotient(scale_).norm() <= kThreeDigits * known.cwiseQuotient(scale_).norm();  // false for a NaN
+}
+
+void SingleCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
+  TEUCHOS_ASSERT(B.rows() == scale_.size());
+  const int n = int(B.rows());
+  for (Eigen::Index j = 0; j < B.cols() && n > 0; ++j) {
+    const Eigen::VectorXd b = B.col(j).cwiseProduct(scale_);
+    const double largest = b.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
+    Eigen::VectorXf x = (b / unit).cast<float>();
+    for (const char* side : {"N", "T"}) stpsv_("L", side, "N", &n, L_.data(), x.data(), &kOne);
+    B.col(j) = unit * scale_.cwiseProduct(x.cast<double>());
   }
 }
 

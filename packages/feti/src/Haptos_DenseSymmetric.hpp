@@ -20,6 +20,11 @@ void subtractGram(const Eigen::MatrixXd& A, Eigen::MatrixXd& C);
 /// \brief C := C + alpha (A B^T + B A^T).
 void addSymmetricProduct(double alpha, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& C);
 
+/// \brief The lower triangle by columns, [n (n + 1) / 2].
+std::vector<double> packLower(const Eigen::MatrixXd& A);
+/// \brief The lower triangle of A := what was packed.
+void unpackLower(const std::vector<double>& packed, Eigen::MatrixXd& A);
+
 }  // namespace Lapack
 
 /// \brief A dense symmetric matrix, kept to be multiplied often.
@@ -68,6 +73,20 @@ class DenseCholesky {
   Eigen::Index n_ = 0;
   Eigen::MatrixXd full_;         // one of the two
   std::vector<double> packed_;
+};
+
+/// \brief A Cholesky factor in single precision of a matrix scaled to a unit diagonal: half of the time, for a few digits.
+class SingleCholesky {
+ public:
+  /// \param A [n x n], its lower triangle is read
+  /// \return whether a solution that is known came back to three digits; if not, this one is of no use
+  bool factor(const Eigen::MatrixXd& A);
+  /// \brief B := A^-1 B
+  void solve(Eigen::Ref<Eigen::MatrixXd> B) const;
+
+ private:
+  Eigen::VectorXd scale_;  // [n] 1 / sqrt(A_ii)
+  std::vector<float> L_;   // packed
 };
 
 }  // namespace Haptos

@@ -85,7 +85,8 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
       contactWeights_(listOf(vectors.contact(weights))),
       contactRows_(contactRowsOf(*dual.GT, dual.pairs)),
       active_(contactRows_),
-      coarse_(dual.GGT->placement(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds())) {}
+      coarse_(dual.GGT->placement(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds()),
+              CoarseProblem::Factor::WithRoughRenewal) {}
 
 void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vector<TangentialModes>& modes) {
   std::vector<Eigen::Triplet<double>> triplets;
