@@ -41,6 +41,9 @@ class MultiplierMap {
   const std::vector<std::int64_t>& nodes() const { return nodes_; } ///< [owned rows] mesh node
   const std::vector<LocalPair>& pairs() const { return pairs_; }   ///< owned pairs
 
+  const std::vector<int>& contactRows() const { return contactRows_; }  ///< owned rows of pairs, ascending
+  const RCP<const Map>& contactMap() const { return contactMap_; }      ///< of those alone, in their order
+
   /// Entries of the owned rows in CSR form, with weights (RowEntry::subdomain is global).
   const std::vector<std::size_t>& ownedOffsets() const { return ownedOffsets_; }
   const std::vector<RowEntry>& ownedEntries() const { return ownedEntries_; }
@@ -57,7 +60,7 @@ class MultiplierMap {
   const std::vector<OverlapEntry>& overlapEntries() const { return overlapEntries_; }
 
  private:
-  RCP<const Map> map_, overlapMap_;
+  RCP<const Map> map_, overlapMap_, contactMap_;
   std::unique_ptr<const RemoteRows> remote_;
   GlobalOrdinal numEquality_ = 0, numPairs_ = 0;
   std::vector<RowKind> kinds_;
@@ -65,6 +68,7 @@ class MultiplierMap {
   std::vector<double> c_;
   std::vector<std::int64_t> nodes_;
   std::vector<LocalPair> pairs_;
+  std::vector<int> contactRows_;
   std::vector<std::size_t> ownedOffsets_;
   std::vector<RowEntry> ownedEntries_;
   std::vector<OverlapEntry> overlapEntries_;

@@ -33,8 +33,6 @@ RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)
   importer_ = Teuchos::rcp(new Tpetra::Import<>(map_, remoteMap_));
 }
 
-Eigen::Index RemoteRows::numRemote() const { return Eigen::Index(localNumElements(*remoteMap_)); }
-
 void RemoteRows::fetch(const MultiVector& x, MultiVector& remote) const {
   if (!isAlone_) remote.doImport(x, *importer_, Tpetra::INSERT);
 }

@@ -17,7 +17,6 @@ class RemoteRows {
 
   std::size_t numOwned() const { return numOwned_; }       ///< overlap rows before are the rank's own
   const RCP<const Map>& map() const { return remoteMap_; }  ///< of the remote rows
-  Eigen::Index numRemote() const;                          ///< rows of others on this rank
   const Tpetra::Import<>& importer() const { return *importer_; }
 
   /// \brief remote := x at the remote rows.  Collective.

@@ -169,7 +169,7 @@ inline Dealt deal(const RCP<const Communicator>& comm, const Scene& scene) {
 /// The whole of a vector on all ranks, by global index (both maps number without holes).
 inline Dense gathered(const MultiVector& v) {
   const auto& map = *v.getMap();
-  Dense mine = Dense::Zero(Eigen::Index(map.getGlobalNumElements()), Eigen::Index(v.getNumVectors())), all = mine;
+  Dense mine = Dense::Zero(Eigen::Index(map.getMaxAllGlobalIndex()) + 1, Eigen::Index(v.getNumVectors())), all = mine;
   for (std::size_t c = 0; c < v.getNumVectors(); ++c) {
     const auto data = v.getData(c);
     for (int i = 0; i < int(data.size()); ++i) mine(map.getGlobalElement(i), Eigen::Index(c)) = data[i];

@@ -49,7 +49,7 @@ Eigen::VectorXd CompactRows::spread(const Eigen::VectorXd& x) const {
 
 Eigen::VectorXd CompactRows::collect(const Eigen::VectorXd& t) const {
   const Eigen::Index owned = Eigen::Index(rows_.size());
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(owned), remote = Eigen::VectorXd::Zero(remote_->numRemote());
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(owned), remote = Eigen::VectorXd::Zero(Eigen::Index(localNumElements(*remote_->map())));
   for (const Entry& e : entries_) (e.row < owned ? y[e.row] : remote[e.row - owned]) += e.value * t[e.position];
   remote_->addToOwners(remote, y);
   return y;

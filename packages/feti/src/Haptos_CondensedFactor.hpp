@@ -25,8 +25,6 @@ class CondensedFactor {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   /// \brief The last rows of what `eliminate` gave := (S + E)^-1 times them.
   void solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const;
-  /// \brief Of today's factor of S + E.
-  FactorPrecision precision() const { return isSingle_ ? FactorPrecision::Single : FactorPrecision::Double; }
 
   const std::shared_ptr<const CoarseElimination>& elimination() const { return A_; }
   Eigen::Index schurSize() const { return A_->numLast(); }

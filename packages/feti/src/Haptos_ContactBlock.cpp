@@ -13,17 +13,16 @@ namespace Haptos {
 namespace {
 
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-using GlobalMarks = std::vector<char>;  // [overlap rows]
 
-// What some rank marks, all ranks that have the row see.  Collective.
-GlobalMarks shareMarks(const MultiplierMap& multipliers, const std::vector<char>& mine) {
+// What some rank marks, all ranks that have the row see; [overlap rows].  Collective.
+std::vector<char> shareMarks(const MultiplierMap& multipliers, const std::vector<char>& mine) {
   const RemoteRows& remoteRows = multipliers.remote();
   const Eigen::Index owned = Eigen::Index(remoteRows.numOwned());
   const Eigen::VectorXd marks = Eigen::Map<const Eigen::Matrix<char, Eigen::Dynamic, 1>>(mine.data(), Eigen::Index(mine.size())).cast<double>();
   Eigen::VectorXd own = marks.head(owned);
   remoteRows.addToOwners(marks.tail(marks.size() - owned), own);
   const Eigen::VectorXd others = remoteRows.fetch(own);
-  GlobalMarks all;
+  std::vector<char> all;
   for (double mark : own) all.push_back(mark != 0);
   for (double mark : others) all.push_back(mark != 0);
   return all;
@@ -42,6 +41,11 @@ RowMatrix submatrix(const RowMatrix& A, const std::vector<int>& rows, const std:
   return part;
 }
 
+Eigen::VectorXd columnOf(const MultiVector& x, std::size_t v) {
+  const auto data = x.getData(v);
+  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+}
+
 // y := beta y + alpha x
 void update(const Teuchos::ArrayRCP<double>& y, double beta, double alpha, const Eigen::VectorXd& x) {
   for (Eigen::Index i = 0; i < x.size(); ++i) y[i] = (beta == 0 ? 0.0 : beta * y[i]) + alpha * x[i];
@@ -51,24 +55,21 @@ void update(const Teuchos::ArrayRCP<double>& y, double beta, double alpha, const
 
 ContactBlock::ContactBlock(RCP<const DualPreconditioner> preconditioner) : preconditioner_(std::move(preconditioner)) {
   findUnknowns(findNearRows());
-  gram_ = submatrix(preconditioner_->gram().inverse(), contactRows_, near_->rows());
+  gram_ = submatrix(preconditioner_->gram().inverse(), preconditioner_->jump().multipliers().contactRows(), near_->rows());
 }
 
-GlobalMarks ContactBlock::findNearRows() {
+std::vector<char> ContactBlock::findNearRows() {
   const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
-  const auto& kinds = multipliers.kinds();
   std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
-  for (std::size_t row = 0; row < kinds.size(); ++row) {
-    if (isEquality(kinds[row])) continue;
-    contactRows_.push_back(int(row));
-    marks[row] = 1;
-    for (RowMatrix::InnerIterator it(preconditioner_->gram().inverse(), Eigen::Index(row)); it; ++it) marks[std::size_t(it.col())] = 1;
+  for (int row : multipliers.contactRows()) {
+    marks[std::size_t(row)] = 1;
+    for (RowMatrix::InnerIterator it(preconditioner_->gram().inverse(), row); it; ++it) marks[std::size_t(it.col())] = 1;
   }
   return shareMarks(multipliers, marks);
 }
 
 // The unknowns of the nodes of near rows; the compact vector holds those of a class's active members one after another.
-void ContactBlock::findUnknowns(const GlobalMarks& isNear) {
+void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
   const JumpOperator& jump = preconditioner_->jump();
   std::vector<std::set<int>> nodes(jump.primalOffsets().size() - 1);
   for (const auto& entry : jump.multipliers().overlapEntries())
@@ -127,21 +128,9 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   }
 }
 
-Eigen::VectorXd ContactBlock::collect(const Eigen::VectorXd& t) const {
-  const Eigen::VectorXd onContact = gram_ * near_->collect(t);
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(preconditioner_->gram().inverse().rows());
-  for (std::size_t i = 0; i < contactRows_.size(); ++i) y[contactRows_[i]] = onContact[Eigen::Index(i)];
-  return y;
-}
-
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  Eigen::VectorXd contact(Eigen::Index(contactRows_.size()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    {
-      const auto in = x.getData(v);
-      for (std::size_t i = 0; i < contactRows_.size(); ++i) contact[Eigen::Index(i)] = in[contactRows_[i]];
-    }
-    Eigen::VectorXd t = near_->spread(gram_.transpose() * contact);
+    Eigen::VectorXd t = near_->spread(gram_.transpose() * columnOf(x, v));
     applyLocal(t);
     update(y.getDataNonConst(v), beta, alpha, collect(t));
   }
@@ -163,13 +152,14 @@ void ContactRows::findTouchingRows() {
   std::vector<Eigen::Index> offset(jump.primalOffsets().size() - 1, -1);
   std::vector<std::vector<int>> positionOf(active.size());  // local dof -> position in the boundary list
   for (std::size_t c = 0; c < active.size(); ++c) {
+    if (active[c].empty()) continue;
     const auto& boundary = preconditioner_->boundary(int(c));
+    positionOf[c].assign(std::size_t(preconditioner_->systems()[active[c].front()].R().rows()), -1);
+    for (std::size_t i = 0; i < boundary.size(); ++i) positionOf[c][std::size_t(boundary[i])] = int(i);
     for (int member : active[c]) {
-      positionOf[c].assign(std::size_t(preconditioner_->systems()[member].R().rows()), -1);
       offset[std::size_t(member)] = size;
       size += Eigen::Index(boundary.size());
     }
-    for (std::size_t i = 0; i < boundary.size() && !active[c].empty(); ++i) positionOf[c][std::size_t(boundary[i])] = int(i);
   }
   const auto place = [&](int subdomain, int dof) {
     const int member = subdomain - jump.firstSubdomain();
@@ -185,14 +175,8 @@ void ContactRows::findTouchingRows() {
 }
 
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    Eigen::VectorXd t;
-    {
-      const auto in = x.getData(v);
-      t = touching_->spread(gram_ * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size()));
-    }
-    update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(t)));
-  }
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v)
+    update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(touching_->spread(gram_ * columnOf(x, v)))));
 }
 
 // S t of the active members, at the unknowns that contact rows meet.

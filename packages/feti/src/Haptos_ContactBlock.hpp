@@ -13,7 +13,7 @@ namespace Haptos {
 ///
 /// Only subdomains with contact nodes take part, each with the dense part S_cc of its Schur complement, shared by
 /// congruent ones.  Contact nodes beyond `kLargestDense` unknowns a subdomain are not worth a dense S_cc: such a
-/// subdomain applies all of S.  Entries of x on other rows are taken as zero, those of y are set to zero.
+/// subdomain applies all of S.  Its map is that of the contact rows, `MultiplierMap::contactMap`.
 class ContactBlock final : public Operator {
  public:
   static constexpr int kLargestDense = 1500;
@@ -21,8 +21,8 @@ class ContactBlock final : public Operator {
   /// Collective.  `preconditioner` must stay alive.
   explicit ContactBlock(RCP<const DualPreconditioner> preconditioner);
 
-  RCP<const Map> getDomainMap() const override { return preconditioner_->getDomainMap(); }
-  RCP<const Map> getRangeMap() const override { return preconditioner_->getRangeMap(); }
+  RCP<const Map> getDomainMap() const override { return getRangeMap(); }
+  RCP<const Map> getRangeMap() const override { return preconditioner_->jump().multipliers().contactMap(); }
   bool hasTransposeApply() const override { return true; }
 
   /// Collective: one Import, one Export.
@@ -36,8 +36,8 @@ class ContactBlock final : public Operator {
   const std::vector<std::vector<int>>& unknowns() const { return unknowns_; }
   /// \brief B_D t on contact rows.
   ///
-  /// \param t the classes' [unknowns x active members] one after another.  \return [owned rows], 0 elsewhere.  Collective.
-  Eigen::VectorXd collect(const Eigen::VectorXd& t) const;
+  /// \param t the classes' [unknowns x active members] one after another.  \return [owned contact rows].  Collective.
+  Eigen::VectorXd collect(const Eigen::VectorXd& t) const { return gram_ * near_->collect(t); }
   /// @}
 
  private:
@@ -48,7 +48,6 @@ class ContactBlock final : public Operator {
 
   RCP<const DualPreconditioner> preconditioner_;
   std::unique_ptr<const CompactRows> near_;   // rows that share a node with a contact row: B_D couples those and no others
-  std::vector<int> contactRows_;              // [contact rows] owned
   Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [contact rows x near rows] (B W B^T)^+
   std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
@@ -56,7 +55,7 @@ class ContactBlock final : public Operator {
   std::vector<Eigen::Index> first_;           // [classes] of their part of the compact vector
 };
 
-/// \brief M x on the contact rows, all rows of x counted; the other rows of the result are 0.
+/// \brief The contact rows of M: from all rows to `MultiplierMap::contactMap`.
 ///
 /// Only subdomains with contact nodes take part, and the rows that touch them.
 class ContactRows final : public Operator {
@@ -65,7 +64,7 @@ class ContactRows final : public Operator {
   ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block);
 
   RCP<const Map> getDomainMap() const override { return preconditioner_->getDomainMap(); }
-  RCP<const Map> getRangeMap() const override { return preconditioner_->getRangeMap(); }
+  RCP<const Map> getRangeMap() const override { return block_->getRangeMap(); }
 
   /// Collective: one Import, one Export.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,

@@ -28,17 +28,10 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
   }
 }
 
-std::vector<int> contactRowsOf(const MultiplierMap& multipliers) {
-  std::vector<int> rows;
-  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
-    if (!isEquality(multipliers.kinds()[row])) rows.push_back(int(row));
-  return rows;
-}
-
 class DeflatedContactBlock final : public Operator {
  public:
-  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, std::vector<int> rows, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
-      : block_(base), rows_(std::move(rows)), Y_(std::move(Y)), YK_(std::move(YK)) {}
+  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
+      : block_(base), Y_(std::move(Y)), YK_(std::move(YK)) {}
 
   RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
@@ -46,26 +39,19 @@ class DeflatedContactBlock final : public Operator {
 
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
     block_.apply(x, y, mode, alpha, beta);
-    const Eigen::Index n = Eigen::Index(rows_.size());
     for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-      Eigen::VectorXd contact(n);
-      {
-        const auto in = x.getData(v);
-        for (Eigen::Index i = 0; i < n; ++i) contact[i] = in[rows_[std::size_t(i)]];
-      }
-      const Eigen::VectorXd mine = Y_.transpose() * contact;
+      const auto in = x.getData(v);
+      const Eigen::VectorXd mine = Y_.transpose() * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size());
       Eigen::VectorXd g(mine.size());
       Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), g.data());
-      contact = YK_ * g;
       const auto out = y.getDataNonConst(v);
-      for (Eigen::Index i = 0; i < n; ++i) out[rows_[std::size_t(i)]] -= alpha * contact[i];
+      Eigen::Map<Eigen::VectorXd>(out.getRawPtr(), out.size()) -= alpha * (YK_ * g);
     }
   }
 
  private:
   ContactBlock block_;
-  std::vector<int> rows_;   // owned contact rows
-  Eigen::MatrixXd Y_, YK_;  // [rows x coarse]
+  Eigen::MatrixXd Y_, YK_;  // [owned contact rows x coarse]
 };
 
 }  // namespace
@@ -221,10 +207,9 @@ RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
   int slender = 0;
   Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(slender));
   if (slender != 0) return {};
-  auto rows = contactRowsOf(base_->jump().multipliers());
-  Eigen::MatrixXd Y = rowsOfBCZ(rows), YK(Y.rows(), Y.cols());
+  Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK(Y.rows(), Y.cols());
   for (Eigen::Index i = 0; i < Y.rows(); ++i) YK.row(i) = solve(Y.row(i).transpose()).transpose();
-  return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(rows), std::move(Y), std::move(YK)));
+  return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
 }
 
 void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {

@@ -34,7 +34,7 @@ class DeflatedPreconditioner final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
-  /// \brief M_Z between contact rows, as M_cc - Y_c K^+ Y_c^T with Y = B_D S Z: far cheaper than M_Z.
+  /// \brief M_Z between contact rows, on `MultiplierMap::contactMap`, as M_cc - Y_c K^+ Y_c^T with Y = B_D S Z: far cheaper than M_Z.
   ///
   /// Null where subdomains are slender on any rank: the difference would lose the digits of their soft motions.  Collective.
   RCP<const Operator> contactBlock() const;

@@ -32,9 +32,9 @@ inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene, Lo
   return feti;
 }
 
-/// Columns A e_i of an operator, on all ranks.
+/// Columns A e_i of an operator, on all ranks; 0 where its maps have no row.
 inline Dense denseOf(const Operator& A) {
-  const auto n = Eigen::Index(A.getDomainMap()->getGlobalNumElements());
+  const auto n = Eigen::Index(A.getDomainMap()->getMaxAllGlobalIndex()) + 1;
   const auto x = scatteredColumns(A.getDomainMap(), Dense::Identity(n, n));
   MultiVector y(A.getRangeMap(), std::size_t(n));
   A.apply(*x, y);

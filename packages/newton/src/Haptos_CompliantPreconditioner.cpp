@@ -33,33 +33,24 @@ void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const L
   isNeeded_ = vectors_.sum(isCompliant_.sum()) > 0;
 }
 
-Eigen::VectorXd CompliantPreconditioner::toModes(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd c = vectors_.contact(x);
+// E^T x or E x, contact values [3 pairs]
+Eigen::VectorXd CompliantPreconditioner::turned(Eigen::VectorXd x, Turn turn) const {
   for (std::size_t i = 0; i < rotations_.size(); ++i) {
-    const Eigen::Index at = 3 * Eigen::Index(i) + 1;
-    c.segment<2>(at) = (rotations_[i].transpose() * c.segment<2>(at)).eval();
+    const Eigen::Matrix2d& E = rotations_[i];
+    auto tangential = x.segment<2>(3 * Eigen::Index(i) + 1);
+    tangential = turn == Turn::ToModes ? (E.transpose() * tangential).eval() : (E * tangential).eval();
   }
-  return c;
-}
-
-void CompliantPreconditioner::setModes(Eigen::VectorXd& x, Eigen::VectorXd modes) const {
-  for (std::size_t i = 0; i < rotations_.size(); ++i) {
-    const Eigen::Index at = 3 * Eigen::Index(i) + 1;
-    modes.segment<2>(at) = (rotations_[i] * modes.segment<2>(at)).eval();
-  }
-  vectors_.setContact(x, modes);
+  return x;
 }
 
 // (C^-1 + E^T M E) q = b by conjugate gradients.  The next r^T z follows from sums that are taken with this step's: it decides
 // how far to go, and is summed anew by the next step.
 Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& b) const {
-  const Operator& M = dual_.contactM.is_null() ? *dual_.M : *dual_.contactM;
   Eigen::VectorXd q = Eigen::VectorXd::Zero(b.size()), r = b, z = r.cwiseQuotient(diagonal_), p = z;
   double target = -1;
   for (int step = 0; step < kMaxSteps; ++step) {
-    Eigen::VectorXd full = Eigen::VectorXd::Zero(vectors_.numRows());
-    setModes(full, p);
-    const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + toModes(vectors_.apply(M, full)).cwiseProduct(isCompliant_);
+    const Eigen::VectorXd MEp = vectors_.applyOnContact(*dual_.contactM, turned(p, Turn::FromModes));
+    const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + turned(MEp, Turn::ToModes).cwiseProduct(isCompliant_);
     const Eigen::VectorXd DAp = Ap.cwiseQuotient(diagonal_);
     Eigen::Vector4d sums(r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp));
     vectors_.sum(sums);
@@ -79,17 +70,17 @@ Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& 
 Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
   if (!isNeeded_) return vectors_.apply(*dual_.M, r);
   Eigen::VectorXd w = r;
-  const Eigen::VectorXd rhs = toModes(r).cwiseQuotient(scale_);
-  setModes(w, rhs);
-  const Operator& rowsOfM = dual_.contactRowsOfM.is_null() ? *dual_.M : *dual_.contactRowsOfM;
-  const Eigen::VectorXd q = solveCompliance(toModes(vectors_.apply(rowsOfM, w)).cwiseProduct(isCompliant_));
-  setModes(w, rhs - q);
+  const Eigen::VectorXd rhs = turned(vectors_.contact(r), Turn::ToModes).cwiseQuotient(scale_);
+  vectors_.setContact(w, turned(rhs, Turn::FromModes));
+  const Eigen::VectorXd ETMw = turned(vectors_.applyToContact(*dual_.contactRowsOfM, w), Turn::ToModes);
+  const Eigen::VectorXd q = solveCompliance(ETMw.cwiseProduct(isCompliant_));
+  vectors_.setContact(w, turned(rhs - q, Turn::FromModes));
   Eigen::VectorXd z = vectors_.apply(*dual_.M, w);
   // C z = q holds exactly; the difference M (r - E q) would lose it where C is large.
-  Eigen::VectorXd modes = toModes(z);
+  Eigen::VectorXd modes = turned(vectors_.contact(z), Turn::ToModes);
   for (Eigen::Index i = 0; i < modes.size(); ++i)
     if (isCompliant_[i] != 0) modes[i] = inverseC_[i] * q[i];
-  setModes(z, modes.cwiseQuotient(scale_));
+  vectors_.setContact(z, turned(modes.cwiseQuotient(scale_), Turn::FromModes));
   return z;
 }
 

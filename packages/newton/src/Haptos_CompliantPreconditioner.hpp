@@ -31,8 +31,8 @@ class CompliantPreconditioner {
   static constexpr int kMaxSteps = 40;
 
  private:
-  Eigen::VectorXd toModes(const Eigen::VectorXd& x) const;
-  void setModes(Eigen::VectorXd& x, Eigen::VectorXd modes) const;
+  enum class Turn { ToModes, FromModes };
+  Eigen::VectorXd turned(Eigen::VectorXd x, Turn turn) const;
   Eigen::VectorXd solveCompliance(const Eigen::VectorXd& b) const;
 
   const ContactOperators& dual_;

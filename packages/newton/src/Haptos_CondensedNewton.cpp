@@ -18,9 +18,8 @@ Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
 
 }  // namespace
 
-CondensedNewton::CondensedNewton(RCP<const Operator> M, const RCP<const Operator>& contactM, const DualVectors& vectors)
+CondensedNewton::CondensedNewton(RCP<const Operator> M, const Operator& contactM, const DualVectors& vectors)
     : M_(std::move(M)), vectors_(vectors) {
-  const Operator& between = contactM.is_null() ? *M_ : *contactM;
   const Eigen::Index mine = 3 * vectors.numPairs();
   Eigen::Index end = 0;
   Teuchos::scan(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
@@ -28,10 +27,9 @@ CondensedNewton::CondensedNewton(RCP<const Operator> M, const RCP<const Operator
   first_ = end - mine;
   Eigen::MatrixXd rows(mine, size_);
   for (Eigen::Index j = 0; j < size_; ++j) {
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(mine), x = Eigen::VectorXd::Zero(vectors.numRows());
+    Eigen::VectorXd unit = Eigen::VectorXd::Zero(mine);
     if (j >= first_ && j < end) unit[j - first_] = 1;
-    vectors.setContact(x, unit);
-    rows.col(j) = vectors.contact(vectors.apply(between, x));
+    rows.col(j) = vectors.applyOnContact(contactM, unit);
   }
   Mcc_ = onAllRanks(rows);
   Mcc_ = (0.5 * (Mcc_ + Mcc_.transpose())).eval();

@@ -21,8 +21,8 @@ class CondensedNewton {
  public:
   static constexpr long kLargest = 150;
 
-  /// \brief 3 x pairs applications of `contactM`, M between contact rows, or of M where it is null.  Collective.
-  CondensedNewton(RCP<const Operator> M, const RCP<const Operator>& contactM, const DualVectors& vectors);
+  /// \brief 3 x pairs applications of `contactM`, M between contact rows and on those alone.  Collective.
+  CondensedNewton(RCP<const Operator> M, const Operator& contactM, const DualVectors& vectors);
 
   /// \brief Solves the linearised law.  \param s its gluing rows are read, \param phi [3 pairs].
   /// Collective: two applications of M, two reductions.

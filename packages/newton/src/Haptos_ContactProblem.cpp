@@ -5,16 +5,79 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_DualVectors.hpp"
+#include "Haptos_TpetraCompat.hpp"
+
 namespace Haptos {
+namespace {
+
+RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows) {
+  std::vector<GlobalOrdinal> global;
+  for (int row : rows) global.push_back(map.getGlobalElement(row));
+  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                              Teuchos::ArrayView<const GlobalOrdinal>(global.data(), int(global.size())), map.getIndexBase(), map.getComm()));
+}
+
+// Some rows of M, of all columns or of the same.
+class RowsOfOperator final : public Operator {
+ public:
+  enum class Columns { All, Same };
+  RowsOfOperator(RCP<const Operator> M, std::vector<int> rows, Columns columns)
+      : M_(std::move(M)), rows_(std::move(rows)), map_(mapOfRows(*M_->getRangeMap(), rows_)), columns_(columns) {}
+
+  RCP<const Map> getDomainMap() const override { return columns_ == Columns::All ? M_->getDomainMap() : map_; }
+  RCP<const Map> getRangeMap() const override { return map_; }
+
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
+    MultiVector z(M_->getRangeMap(), x.getNumVectors());
+    if (columns_ == Columns::All) M_->apply(x, z);
+    else M_->apply(extended(x), z);
+    if (beta == 0) y.putScalar(0);
+    else y.scale(beta);
+    for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+      const auto from = z.getData(v);
+      const auto to = y.getDataNonConst(v);
+      for (std::size_t i = 0; i < rows_.size(); ++i) to[i] += alpha * from[rows_[i]];
+    }
+  }
+
+ private:
+  MultiVector extended(const MultiVector& x) const {
+    MultiVector whole(M_->getDomainMap(), x.getNumVectors());
+    for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+      const auto from = x.getData(v);
+      const auto to = whole.getDataNonConst(v);
+      for (std::size_t i = 0; i < rows_.size(); ++i) to[rows_[i]] = from[i];
+    }
+    return whole;
+  }
+
+  RCP<const Operator> M_;
+  std::vector<int> rows_;
+  RCP<const Map> map_;
+  Columns columns_;
+};
+
+}  // namespace
+
+RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vector<PairLaw>& pairs) {
+  return Teuchos::rcp(new RowsOfOperator(M, contactRows(pairs), RowsOfOperator::Columns::Same));
+}
 
 ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector>& lambda)
     : Belos::LinearProblem<double, MultiVector, Operator>(operators.F, lambda, operators.h), operators_(std::move(operators)) {
-  const ContactOperators& o = operators_;
+  ContactOperators& o = operators_;
   TEUCHOS_ASSERT(!lambda.is_null() && !o.F.is_null() && !o.h.is_null() && !o.M.is_null() && !o.diagonalOfM.is_null());
   TEUCHOS_ASSERT(!o.GT.is_null() && !o.GGT.is_null());
   TEUCHOS_ASSERT(o.GT->cols() == o.e.size());
   TEUCHOS_ASSERT(Eigen::Index(o.holds.size()) == o.motions.cols());
   TEUCHOS_ASSERT(o.motions.cols() == 0 || o.motions.rows() == o.GT->cols());
+  if (o.contactM.is_null()) o.contactM = contactBlockOf(o.M, o.pairs);
+  if (o.contactRowsOfM.is_null())
+    o.contactRowsOfM = Teuchos::rcp(new RowsOfOperator(o.M, contactRows(o.pairs), RowsOfOperator::Columns::All));
+  const std::size_t contact = contactRows(o.pairs).size();
+  TEUCHOS_ASSERT(localNumElements(*o.contactM->getDomainMap()) == contact && localNumElements(*o.contactM->getRangeMap()) == contact);
+  TEUCHOS_ASSERT(localNumElements(*o.contactRowsOfM->getRangeMap()) == contact);
 }
 
 }  // namespace Haptos

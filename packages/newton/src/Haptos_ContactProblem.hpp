@@ -23,8 +23,8 @@ struct ContactOperators {
   RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
   RCP<const Vector> h;                ///< [length]
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
-  RCP<const Operator> contactM;       ///< M between contact rows, cheaper than M; null: M itself is used
-  RCP<const Operator> contactRowsOfM; ///< M x of which only the contact rows are read; null: M itself is used
+  RCP<const Operator> contactM;       ///< M between contact rows, on a map of those alone (`contactRows`); null: M itself is used
+  RCP<const Operator> contactRowsOfM; ///< from all rows to the contact rows of M; null: M itself is used
   /// A better M with G M = 0 (DeflatedPreconditioner), and M between contact rows where that is cheaper than M; else null.
   struct Deflated {
     RCP<const Operator> M, contactM;
@@ -44,6 +44,9 @@ struct ContactOperators {
   std::vector<PairLaw> pairs;         ///< owned pairs
   std::vector<int> gluingRows;        ///< owned rows with s = 0
 };
+
+/// \brief M between contact rows, by M itself.  Collective.
+RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vector<PairLaw>& pairs);
 
 /// \brief A dual contact problem as a Belos linear problem: operator, left and right side are F, lambda and h.
 ///

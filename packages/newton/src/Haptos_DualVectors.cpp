@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_DualVectors.hpp"
 
+#include <Teuchos_Assert.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Operator.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
 #include <cmath>
 #include <type_traits>
 
@@ -17,15 +19,30 @@ namespace {
 using DualView = MultiVector::dual_view_type;
 
 // An array as a Vector, without copying; both hosts and devices must see it.
-Vector viewOf(const RCP<const Map>& map, double* data, Eigen::Index rows) {
-  const DualView::t_dev view(data, std::size_t(rows), 1);
+Vector viewOf(const RCP<const Map>& map, Eigen::VectorXd& values) {
+  const DualView::t_dev view(values.data(), std::size_t(values.size()), 1);
   return Vector(map, DualView(view, view));
 }
 
 }  // namespace
 
+std::vector<int> contactRows(const std::vector<PairLaw>& pairs) {
+  std::vector<int> rows;
+  for (const PairLaw& pair : pairs)
+    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]})
+      if (row >= 0) rows.push_back(row);
+  std::sort(rows.begin(), rows.end());
+  return rows;
+}
+
 DualVectors::DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, std::vector<int> gluingRows)
-    : map_(std::move(map)), pairs_(pairs), numRows_(Eigen::Index(localNumElements(*map_))), gluingRows_(std::move(gluingRows)) {}
+    : map_(std::move(map)), pairs_(pairs), numRows_(Eigen::Index(localNumElements(*map_))), gluingRows_(std::move(gluingRows)) {
+  const std::vector<int> rows = contactRows(pairs);
+  numContactRows_ = Eigen::Index(rows.size());
+  for (const PairLaw& pair : pairs)
+    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]})
+      placeOf_.push_back(row < 0 ? -1 : int(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin()));
+}
 
 Eigen::VectorXd DualVectors::gluing(const Eigen::VectorXd& x) const {
   Eigen::VectorXd part(Eigen::Index(gluingRows_.size()));
@@ -55,17 +72,35 @@ void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) 
   }
 }
 
-Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x) const {
+Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x) {
+  const RCP<const Map> from = op.getDomainMap(), to = op.getRangeMap();
+  TEUCHOS_ASSERT(x.size() == Eigen::Index(localNumElements(*from)));
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(Eigen::Index(localNumElements(*to)));
   if constexpr (std::is_same_v<DualView::t_dev, DualView::t_host>) {
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(numRows_);
-    Vector out = viewOf(map_, y.data(), numRows_);
-    op.apply(viewOf(map_, const_cast<double*>(x.data()), numRows_), out);
+    Vector out = viewOf(to, y);
+    op.apply(viewOf(from, const_cast<Eigen::VectorXd&>(x)), out);
     return y;
   } else {
-    Vector out(map_);
-    op.apply(*toVector(x), out);
+    Vector in(from), out(to);
+    const auto data = in.getDataNonConst(0);
+    std::copy(x.data(), x.data() + x.size(), data.begin());
+    op.apply(in, out);
     return fromVector(out);
   }
+}
+
+Eigen::VectorXd DualVectors::applyToContact(const Operator& op, const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd rows = apply(op, x);
+  Eigen::VectorXd values(3 * numPairs());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values[i] = placeOf_[std::size_t(i)] < 0 ? 0.0 : rows[placeOf_[std::size_t(i)]];
+  return values;
+}
+
+Eigen::VectorXd DualVectors::applyOnContact(const Operator& op, const Eigen::VectorXd& values) const {
+  Eigen::VectorXd rows(numContactRows_);
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    if (placeOf_[std::size_t(i)] >= 0) rows[placeOf_[std::size_t(i)]] = values[i];
+  return applyToContact(op, rows);
 }
 
 void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {

@@ -7,6 +7,9 @@
 
 namespace Haptos {
 
+/// \brief The rows of pairs, ascending: the order in which operators on contact rows number theirs.
+std::vector<int> contactRows(const std::vector<PairLaw>& pairs);
+
 /// \brief This rank's part of dual vectors as plain arrays, and the sums over ranks that they need.
 ///
 /// "Gluing rows" are the gluing and Dirichlet rows; "contact values" are (N, T1, T2) of every owned pair, 3 x pairs,
@@ -25,8 +28,13 @@ class DualVectors {
   void setGluing(Eigen::VectorXd& x, const Eigen::VectorXd& values) const;
   void setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) const;
 
-  /// \brief y := Op x.  Collective.
-  Eigen::VectorXd apply(const Operator& op, const Eigen::VectorXd& x) const;
+  /// \brief y := Op x; x and y as long as Op's maps say.  Collective.
+  static Eigen::VectorXd apply(const Operator& op, const Eigen::VectorXd& x);
+  /// \name The same for operators to, and between, contact rows alone (`contactRows`), as contact values.  Collective.
+  /// @{
+  Eigen::VectorXd applyToContact(const Operator& op, const Eigen::VectorXd& x) const;
+  Eigen::VectorXd applyOnContact(const Operator& op, const Eigen::VectorXd& values) const;
+  /// @}
 
   /// \brief Sums over the ranks, in place.  Collective, one reduction.
   void sum(Eigen::Ref<Eigen::MatrixXd> values) const;
@@ -44,6 +52,8 @@ class DualVectors {
   const std::vector<PairLaw>& pairs_;
   Eigen::Index numRows_;
   std::vector<int> gluingRows_;
+  std::vector<int> placeOf_;  // [3 pairs] among the contact rows, -1: no such row
+  Eigen::Index numContactRows_;
 };
 
 }  // namespace Haptos

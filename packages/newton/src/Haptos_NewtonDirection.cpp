@@ -52,7 +52,8 @@ bool NewtonDirection::useModel() {
   mayHaveModel_ = false;
   const auto deflated = dual_.makeDeflatedM();
   if (deflated.M.is_null()) return false;
-  condensed_ = std::make_unique<CondensedNewton>(deflated.M, deflated.contactM, vectors_);
+  const auto contactM = deflated.contactM.is_null() ? contactBlockOf(deflated.M, dual_.pairs) : deflated.contactM;
+  condensed_ = std::make_unique<CondensedNewton>(deflated.M, *contactM, vectors_);
   const Eigen::VectorXd felt = condensed_->normalStiffness();
   pairStiffness_ = (felt.array() > 0).select(felt, pairStiffness_);
   return true;
