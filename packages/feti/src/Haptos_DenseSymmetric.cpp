@@ -47,6 +47,16 @@ std::vector<Scalar> unfold(const Eigen::MatrixXd& lower, double factor) {
   return full;
 }
 
+// Y [n x m] := A X; a few columns are faster one by one.
+template <class Scalar>
+void multiplyFull(const Scalar* A, int n, int m, const Scalar* X, int ldX, Scalar* Y, int ldY) {
+  constexpr int kFew = 3;
+  const Teuchos::BLAS<int, Scalar> blas;
+  if (m > kFew) return blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, m, n, Scalar(1), A, n, X, ldX, Scalar(0), Y, ldY);
+  for (int j = 0; j < m; ++j)
+    blas.GEMV(Teuchos::NO_TRANS, n, n, Scalar(1), A, n, X + std::ptrdiff_t(j) * ldX, 1, Scalar(0), Y + std::ptrdiff_t(j) * ldY, 1);
+}
+
 }  // namespace
 
 namespace Lapack {
@@ -114,11 +124,8 @@ void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Re
   if (!singles_.empty()) return applySingle(X, Y);
   const int n = int(n_);
   const double one = 1, zero = 0;
-  if (storage_ == Storage::Full) {
-    Teuchos::BLAS<int, double>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, int(X.cols()), n, one, doubles_.data(), n, X.data(),
-                                      int(X.outerStride()), zero, Y.data(), int(Y.outerStride()));
-    return;
-  }
+  if (storage_ == Storage::Full)
+    return multiplyFull(doubles_.data(), n, int(X.cols()), X.data(), int(X.outerStride()), Y.data(), int(Y.outerStride()));
   for (Eigen::Index j = 0; j < X.cols(); ++j)
     dspmv_("L", &n, &one, doubles_.data(), X.col(j).data(), &kOne, &zero, Y.col(j).data(), &kOne);
 }
@@ -128,9 +135,7 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
   Eigen::MatrixXf x = (X / unit).cast<float>(), y(n_, X.cols());
   const float one = 1, zero = 0;
-  if (storage_ == Storage::Full)
-    Teuchos::BLAS<int, float>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, n, m, n, one, singles_.data(), n, x.data(), n, zero,
-                                     y.data(), n);
+  if (storage_ == Storage::Full) multiplyFull(singles_.data(), n, m, x.data(), n, y.data(), n);
   else
     for (int j = 0; j < m; ++j) sspmv_("L", &n, &one, singles_.data(), x.col(j).data(), &kOne, &zero, y.col(j).data(), &kOne);
   Y = y.cast<double>() * (scale_ * unit);

@@ -15,17 +15,19 @@ class ColumnBlocks {
 
   Eigen::Index cols() const { return cols_; }
 
+  /// \brief Makes room, and touches it: pages that ranks get one by one between two reductions keep all others waiting.
+  void reserve(Eigen::Index cols) {
+    while (capacity() < cols) blocks_.push_back(Eigen::MatrixXd::Zero(rows_, kColumns));
+  }
+
   void append(const Eigen::VectorXd& column) {
-    if (cols_ == Eigen::Index(blocks_.size()) * kColumns) blocks_.emplace_back(rows_, kColumns);
+    reserve(cols_ + 1);
     blocks_[std::size_t(cols_ / kColumns)].col(cols_ % kColumns) = column;
     ++cols_;
   }
 
-  /// \brief Drops the columns from this one on.
-  void truncate(Eigen::Index cols) {
-    cols_ = cols;
-    blocks_.resize(std::size_t((cols + kColumns - 1) / kColumns));
-  }
+  /// \brief Drops the columns from this one on; their room is kept.
+  void truncate(Eigen::Index cols) { cols_ = cols; }
 
   Eigen::VectorXd column(Eigen::Index j) const { return blocks_[std::size_t(j / kColumns)].col(j % kColumns); }
 
@@ -41,6 +43,7 @@ class ColumnBlocks {
     return y;
   }
 
+  Eigen::Index capacity() const { return Eigen::Index(blocks_.size()) * kColumns; }
   std::size_t bytes() const { return blocks_.size() * std::size_t(rows_ * kColumns) * sizeof(double); }
 
  private:

@@ -1,13 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RecycledSubspace.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
 namespace Haptos {
 
 RecycledSubspace::RecycledSubspace(const DualVectors& vectors, Eigen::Index maximum)
-    : vectors_(vectors), maximum_(maximum), V_(vectors.numRows()), Q_(Eigen::Index(vectors.gluingRows().size())) {}
+    : vectors_(vectors), maximum_(maximum), V_(vectors.numRows()), Q_(Eigen::Index(vectors.gluingRows().size())) {
+  constexpr Eigen::Index kExpected = 16;  // pairs: few runs need less
+  V_.reserve(std::min(kExpected, maximum));
+  Q_.reserve(std::min(kExpected, maximum));
+}
 
 void RecycledSubspace::clear() {
   size_ = permanent_ = 0;
