@@ -56,7 +56,7 @@ std::vector<int> JumpOperator::touchedDofs(int localSubdomain) const {
 void JumpOperator::multiply(const MultiVector& x, MultiVector& y, double alpha, double beta) const {
   const RemoteRows& remoteRows = multipliers_->remote();
   const std::size_t rows = rowOffsets_.size() - 1, owned = remoteRows.numOwned(), columns = x.getNumVectors();
-  MultiVector remote(remoteRows.map(), columns);
+  MultiVector remote(remoteRows.map(), columns, false);
   for (std::size_t v = 0; v < columns; ++v) {
     const auto u = x.getData(v);
     const auto mine = y.getDataNonConst(v), others = remote.getDataNonConst(v);
@@ -74,7 +74,7 @@ void JumpOperator::multiply(const MultiVector& x, MultiVector& y, double alpha, 
 void JumpOperator::multiplyTransposed(const MultiVector& x, MultiVector& y, double alpha, double beta) const {
   const RemoteRows& remoteRows = multipliers_->remote();
   const std::size_t rows = rowOffsets_.size() - 1, owned = remoteRows.numOwned(), columns = x.getNumVectors();
-  MultiVector remote(remoteRows.map(), columns);
+  MultiVector remote(remoteRows.map(), columns, false);
   count(transposed_, columns, [&] { remoteRows.fetch(x, remote); });
   if (beta == 0.0) y.putScalar(0.0);
   else y.scale(beta);

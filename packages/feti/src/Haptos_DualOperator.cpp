@@ -10,10 +10,13 @@ DualOperator::DualOperator(RCP<const JumpOperator> jump, RCP<const LocalSystems>
     : jump_(std::move(jump)), systems_(std::move(systems)) {}
 
 void DualOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  MultiVector f(jump_->getDomainMap(), x.getNumVectors()), u(jump_->getDomainMap(), x.getNumVectors());
-  jump_->apply(x, f, Teuchos::TRANS);
-  systems_->applyOnSurface(jump_->primalOffsets(), f, u);
-  jump_->apply(u, y, Teuchos::NO_TRANS, alpha, beta);
+  if (f_.is_null() || f_->getNumVectors() != x.getNumVectors()) {
+    f_ = Teuchos::rcp(new MultiVector(jump_->getDomainMap(), x.getNumVectors(), false));
+    u_ = Teuchos::rcp(new MultiVector(jump_->getDomainMap(), x.getNumVectors(), false));
+  }
+  jump_->apply(x, *f_, Teuchos::TRANS);
+  systems_->applyOnSurface(jump_->primalOffsets(), *f_, *u_);
+  jump_->apply(*u_, y, Teuchos::NO_TRANS, alpha, beta);
   applications_ += long(x.getNumVectors());
 }
 

@@ -10,7 +10,7 @@ namespace Haptos {
 /// \brief F = B K^+ B^T on the dual map [length/force]: jump, local solves, jump.
 ///
 /// Symmetric and positive semidefinite.  Every application to a vector is counted, whoever asks for it.
-/// apply is Collective.
+/// apply is Collective.  One object must not be applied in two threads at once.
 class DualOperator final : public Operator {
  public:
   DualOperator(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems);
@@ -28,6 +28,7 @@ class DualOperator final : public Operator {
  private:
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;
+  mutable RCP<MultiVector> f_, u_;  // of the last application: other memory would be other pages each time
   mutable long applications_ = 0;
 };
 

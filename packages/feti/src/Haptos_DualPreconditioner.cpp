@@ -48,25 +48,26 @@ void DualPreconditioner::scale(MultiVector& t) const {
 }
 
 void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
-  MultiVector z(x.getMap(), x.getNumVectors());
+  MultiVector z(x.getMap(), x.getNumVectors(), false);
   gram_.apply(x, z);
   jump_->apply(z, t, Teuchos::TRANS);
   scale(t);
 }
 
 void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
-  MultiVector z(y.getMap(), y.getNumVectors());
+  MultiVector z(y.getMap(), y.getNumVectors(), false);
   scale(t);
   jump_->apply(t, z);
   gram_.apply(z, y);
 }
 
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  MultiVector t(jump_->getDomainMap(), 1), z(x.getMap(), 1);
+  if (t_.is_null()) t_ = Teuchos::rcp(new MultiVector(jump_->getDomainMap(), 1, false));
+  MultiVector z(x.getMap(), 1, false);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    spread(*x.getVector(v), t);
-    applyLocal(t);
-    collect(t, z);
+    spread(*x.getVector(v), *t_);
+    applyLocal(*t_);
+    collect(*t_, z);
     y.getVectorNonConst(v)->update(alpha, z, beta);
     ++applications_;
   }

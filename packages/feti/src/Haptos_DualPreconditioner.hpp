@@ -62,6 +62,7 @@ class DualPreconditioner final : public Operator {
   RowGram gram_;
   std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
   SurfaceOperators surface_;
+  mutable RCP<MultiVector> t_;  // of the last application: other memory would be other pages each time
   mutable long applications_ = 0;
 };
 
