@@ -98,13 +98,9 @@ MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const Constrai
   std::copy_if(touched.begin(), touched.end(), std::back_inserter(all), [&](GlobalOrdinal row) { return !map_->isNodeGlobalElement(row); });
   overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), view(all), 0, comm));
   remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
-  std::vector<GlobalOrdinal> contact;
-  for (std::size_t row = 0; row < kinds_.size(); ++row) {
-    if (isEquality(kinds_[row])) continue;
-    contactRows_.push_back(int(row));
-    contact.push_back(owned[row]);
-  }
-  contactMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), view(contact), 0, comm));
+  for (std::size_t row = 0; row < kinds_.size(); ++row)
+    if (!isEquality(kinds_[row])) contactRows_.push_back(int(row));
+  contactMap_ = mapOfRows(*map_, contactRows_);
 
   for (const auto& pair : pairs) {
     LocalPair local{pair.interface, pair.pair, map_->getLocalElement(pair.normal), {-1, -1}, pair.geometry};

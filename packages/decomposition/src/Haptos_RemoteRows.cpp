@@ -23,6 +23,13 @@ Eigen::VectorXd valuesOf(const Vector& v) {
 
 }  // namespace
 
+RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows) {
+  std::vector<GlobalOrdinal> global;
+  for (int row : rows) global.push_back(map.getGlobalElement(row));
+  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                              Teuchos::ArrayView<const GlobalOrdinal>(global.data(), int(global.size())), map.getIndexBase(), map.getComm()));
+}
+
 RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)
     : map_(std::move(map)), numOwned_(localNumElements(*map_)), isAlone_(map_->getComm()->getSize() == 1) {
   const auto rows = localElementList(*overlapMap);

@@ -2,10 +2,14 @@
 #pragma once
 #include <Eigen/Core>
 #include <Tpetra_Import.hpp>
+#include <vector>
 
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
+
+/// \brief Some rows of a map, local in it, in the order given.  Collective.
+RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows);
 
 /// \brief Rows that this rank touches and others own: values fetched from their owners, or added to them.
 ///

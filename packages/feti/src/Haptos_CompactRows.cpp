@@ -11,11 +11,10 @@ namespace {
 
 // The first `count` rows of a map as far as they are kept.
 RCP<const Map> keptMap(const Map& map, const std::vector<char>& isKept, std::size_t count) {
-  std::vector<GlobalOrdinal> kept;
+  std::vector<int> kept;
   for (std::size_t row = 0; row < count; ++row)
-    if (isKept[row]) kept.push_back(map.getGlobalElement(LocalOrdinal(row)));
-  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                              Teuchos::ArrayView<const GlobalOrdinal>(kept.data(), int(kept.size())), map.getIndexBase(), map.getComm()));
+    if (isKept[row]) kept.push_back(int(row));
+  return mapOfRows(map, kept);
 }
 
 }  // namespace

@@ -6,17 +6,11 @@
 #include <Tpetra_Vector.hpp>
 
 #include "Haptos_DualVectors.hpp"
+#include "Haptos_RemoteRows.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
 namespace {
-
-RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows) {
-  std::vector<GlobalOrdinal> global;
-  for (int row : rows) global.push_back(map.getGlobalElement(row));
-  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                              Teuchos::ArrayView<const GlobalOrdinal>(global.data(), int(global.size())), map.getIndexBase(), map.getComm()));
-}
 
 // Some rows of M, of all columns or of the same.
 class RowsOfOperator final : public Operator {

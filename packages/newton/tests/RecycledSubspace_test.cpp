@@ -114,3 +114,24 @@ TEUCHOS_UNIT_TEST(RecycledSubspace, DropsTheOldestButThePermanent) {
     TEST_ASSERT((s - rows.make(100 + from) / size).norm() <= 1e-12);
   }
 }
+
+// Room is made before it is needed, and kept for the next pairs.
+TEUCHOS_UNIT_TEST(RecycledSubspace, KeepsItsRoom) {
+  const Rows rows;
+  RecycledSubspace subspace(rows.vectors), small(rows.vectors, 6);
+  subspace.add(rows.make(0), rows.make(100));
+  small.add(rows.make(0), rows.make(100));
+  const double first = subspace.memoryMb();
+  TEST_COMPARE(small.memoryMb(), <, first);
+  for (int j = 1; j < 16; ++j) subspace.add(rows.make(j), rows.make(100 + j));
+  TEST_EQUALITY(subspace.memoryMb(), first);
+  for (int j = 16; j < 20; ++j) subspace.add(rows.make(j), rows.make(100 + j));
+  const double grown = subspace.memoryMb();
+  TEST_COMPARE(grown, >, first);
+  subspace.clear();
+  TEST_EQUALITY(subspace.memoryMb(), grown);
+  const Eigen::VectorXd s = rows.make(200);
+  TEST_FLOATING_EQUALITY(subspace.add(rows.make(7), s), rows.vectors.norm(s), 1e-14);
+  const auto pair = pairOf(subspace, rows.vectors, 0);
+  TEST_COMPARE((pair[1] - s / rows.vectors.norm(s)).norm(), <=, 1e-13);
+}

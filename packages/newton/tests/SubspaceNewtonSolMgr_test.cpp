@@ -8,7 +8,9 @@
 
 #include "../../friction/tests/PlainLaw.hpp"
 #include "../../qp/tests/QpTestProblem.hpp"
+#include "Haptos_DualVectors.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_RemoteRows.hpp"
 
 namespace {
 
@@ -167,6 +169,33 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, SolvesDenseContactThroughBelos) {
       TEST_ASSERT(solver->getNumIters() > 5 && manager->subspace().memoryMb > 0);
       TEST_EQUALITY(manager->reason(), std::string("converged"));
     }
+}
+
+// M between contact rows is taken from M or given on those rows alone, whatever the order of a pair's rows.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ContactBlockTakenOrGiven) {
+  const DenseContact d = makeContact(40, 30, false, 3);
+  const Setup taken(d);
+  Manager manager;
+  manager.setParameters(withTolerance(1e-10));
+  manager.setProblem(taken.problem);
+  TEST_EQUALITY(manager.solve(), Belos::Converged);
+  for (const bool swapped : {false, true}) {
+    Setup t(d);
+    ContactOperators o = t.operators();
+    const Eigen::Index n = 3 * d.layout.groups;
+    o.contactM = rcp(new DenseOperator(mapOfRows(*t.map, contactRows(o.pairs)), d.M.topLeftCorner(n, n)));
+    for (auto& pair : o.pairs) {
+      if (!swapped) continue;
+      std::swap(pair.tangential[0], pair.tangential[1]);
+      std::swap(pair.coefficients[0], pair.coefficients[1]);
+    }
+    Manager other;
+    other.setParameters(withTolerance(1e-10));
+    other.setProblem(rcp(new ContactProblem(o, t.lambda)));
+    TEST_EQUALITY(other.solve(), Belos::Converged);
+    TEST_COMPARE(std::abs(t.F->applications - taken.F->applications), <=, 1);
+    TEST_COMPARE((gather(*t.lambda) - gather(*taken.lambda)).norm(), <=, 1e-7);
+  }
 }
 
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, UnitsChangeNothing) {
