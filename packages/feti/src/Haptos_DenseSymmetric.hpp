@@ -30,8 +30,8 @@ void unpackLower(const std::vector<double>& packed, Eigen::MatrixXd& A);
 /// \brief A dense symmetric matrix, kept to be multiplied often.
 ///
 /// Packed (one triangle) where vectors come one at a time and memory traffic decides; full where they come in blocks
-/// and BLAS 3 decides, or where the matrix stays in the cache.  In single precision the entries are scaled by the largest, so that the range does not depend
-/// on the units.
+/// and BLAS 3 decides, or where the matrix stays in the cache.  In single precision the entries are scaled by the
+/// largest, so that the range does not depend on the units.
 class DenseSymmetric {
  public:
   enum class Storage { Packed, Full };
