@@ -166,7 +166,7 @@ inline Dealt deal(const RCP<const Communicator>& comm, const Scene& scene) {
   return dealt;
 }
 
-/// The whole of a vector on all ranks, by global index (both maps number without holes).
+/// The whole of a vector on all ranks, by global index; 0 where its map has no row.
 inline Dense gathered(const MultiVector& v) {
   const auto& map = *v.getMap();
   Dense mine = Dense::Zero(Eigen::Index(map.getMaxAllGlobalIndex()) + 1, Eigen::Index(v.getNumVectors())), all = mine;

@@ -6,7 +6,7 @@
 
 namespace Haptos {
 
-/// \brief A tall matrix that grows by columns: a few columns to an allocation, nothing is moved, nothing stands empty for long.
+/// \brief A tall matrix that grows by columns: a few columns to an allocation, nothing is moved.
 ///
 /// Such pieces fit where an earlier phase has left memory; one array for all columns would be new pages (decisions/019).
 class ColumnBlocks {
@@ -43,12 +43,12 @@ class ColumnBlocks {
     return y;
   }
 
-  Eigen::Index capacity() const { return Eigen::Index(blocks_.size()) * kColumns; }
-  std::size_t bytes() const { return blocks_.size() * std::size_t(rows_ * kColumns) * sizeof(double); }
+  std::size_t bytes() const { return std::size_t(rows_ * capacity()) * sizeof(double); }
 
  private:
   static constexpr Eigen::Index kColumns = 4;
 
+  Eigen::Index capacity() const { return Eigen::Index(blocks_.size()) * kColumns; }
   Eigen::Index widthAt(Eigen::Index first) const { return std::min(kColumns, cols_ - first); }
   Eigen::Block<const Eigen::MatrixXd, Eigen::Dynamic, Eigen::Dynamic, true> part(Eigen::Index first) const {
     return blocks_[std::size_t(first / kColumns)].leftCols(widthAt(first));

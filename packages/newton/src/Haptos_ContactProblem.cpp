@@ -66,10 +66,10 @@ ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector
   TEUCHOS_ASSERT(o.GT->cols() == o.e.size());
   TEUCHOS_ASSERT(Eigen::Index(o.holds.size()) == o.motions.cols());
   TEUCHOS_ASSERT(o.motions.cols() == 0 || o.motions.rows() == o.GT->cols());
+  const std::vector<int> rows = contactRows(o.pairs);
   if (o.contactM.is_null()) o.contactM = contactBlockOf(o.M, o.pairs);
-  if (o.contactRowsOfM.is_null())
-    o.contactRowsOfM = Teuchos::rcp(new RowsOfOperator(o.M, contactRows(o.pairs), RowsOfOperator::Columns::All));
-  const std::size_t contact = contactRows(o.pairs).size();
+  if (o.contactRowsOfM.is_null()) o.contactRowsOfM = Teuchos::rcp(new RowsOfOperator(o.M, rows, RowsOfOperator::Columns::All));
+  const std::size_t contact = rows.size();
   TEUCHOS_ASSERT(localNumElements(*o.contactM->getDomainMap()) == contact && localNumElements(*o.contactM->getRangeMap()) == contact);
   TEUCHOS_ASSERT(localNumElements(*o.contactRowsOfM->getRangeMap()) == contact);
 }

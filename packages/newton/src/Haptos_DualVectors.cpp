@@ -24,6 +24,13 @@ Vector viewOf(const RCP<const Map>& map, Eigen::VectorXd& values) {
   return Vector(map, DualView(view, view));
 }
 
+RCP<Vector> copyOf(const RCP<const Map>& map, const Eigen::VectorXd& values) {
+  auto v = Teuchos::rcp(new Vector(map));
+  const auto data = v->getDataNonConst(0);
+  std::copy(values.data(), values.data() + values.size(), data.begin());
+  return v;
+}
+
 }  // namespace
 
 std::vector<int> contactRows(const std::vector<PairLaw>& pairs) {
@@ -81,10 +88,8 @@ Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x)
     op.apply(viewOf(from, const_cast<Eigen::VectorXd&>(x)), out);
     return y;
   } else {
-    Vector in(from), out(to);
-    const auto data = in.getDataNonConst(0);
-    std::copy(x.data(), x.data() + x.size(), data.begin());
-    op.apply(in, out);
+    Vector out(to);
+    op.apply(*copyOf(from, x), out);
     return fromVector(out);
   }
 }
@@ -119,12 +124,7 @@ double DualVectors::sum(double value) const {
 
 double DualVectors::norm(const Eigen::VectorXd& x) const { return std::sqrt(sum(x.squaredNorm())); }
 
-RCP<Vector> DualVectors::toVector(const Eigen::VectorXd& x) const {
-  auto v = Teuchos::rcp(new Vector(map_));
-  const auto data = v->getDataNonConst(0);
-  std::copy(x.data(), x.data() + x.size(), data.begin());
-  return v;
-}
+RCP<Vector> DualVectors::toVector(const Eigen::VectorXd& x) const { return copyOf(map_, x); }
 
 Eigen::VectorXd DualVectors::fromVector(const Vector& x) {
   const auto data = x.getData(0);
