@@ -18,7 +18,7 @@ struct PartitionOptions {
 /// \brief Elements to subdomains: every subdomain lies in one body and is connected through sides.
 struct Partition {
   int count = 0;
-  std::vector<int> ofElement;        ///< [numElements] subdomain of an element; subdomains of a body are contiguous
+  std::vector<int> ofElement;        ///< [numElements] subdomain of an element
   std::vector<int> bodyOfSubdomain;  ///< [count]
   int mended = 0;                    ///< fragments that the cut left disconnected and that went to a neighbour
 };

@@ -5,6 +5,7 @@
 
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
+#include "Haptos_SubdomainOrder.hpp"
 
 namespace Haptos {
 namespace {
@@ -85,8 +86,8 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
 }
 
 std::vector<double> workOfSubdomains(const std::vector<Subdomain>& subdomains) {
-  std::vector<double> work;  // a factor and its solves grow a little faster than the nodes
-  for (const auto& sub : subdomains) work.push_back(std::pow(double(sub.numNodes()), 4.0 / 3.0));
+  std::vector<double> work;
+  for (const auto& sub : subdomains) work.push_back(workOfSubdomain(sub.numNodes()));
   return work;
 }
 

@@ -9,6 +9,7 @@
 #include "Haptos_DualGraph.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_ExodusReader.hpp"
+#include "Haptos_SubdomainOrder.hpp"
 
 namespace Haptos {
 namespace {
@@ -199,6 +200,7 @@ void buildModel(const ParameterList& parameters, SourceMesh source, ModelData& d
   data.metis = options.method == PartitionMethod::Metis;
   model.partition = partitionMesh(model.mesh, graph, bodies, options);
   data.mendedFragments = model.partition.mended;
+  if (options.method != PartitionMethod::Bricks) orderSubdomains(model.mesh, model.interfaces, model.partition);  // bricks come in order
   model.subdomains = extractSubdomains(model.mesh, model.partition, materialOfBlock);
 
   std::vector<char> frictional;

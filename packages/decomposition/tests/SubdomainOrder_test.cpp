@@ -1,0 +1,109 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubdomainOrder.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
+#include <set>
+
+#include "DecomposedScene.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Two bodies that touch all along; a cut across both is much shorter than the surface between them.
+Scene longBodies(int subdomains, bool ordered) {
+  SceneOptions options;
+  options.lower = {24, 4, 4};
+  options.upper = {24, 4, 4};
+  options.subdomains = subdomains;
+  Scene scene = makeScene(options);
+  if (!ordered) return scene;
+  orderSubdomains(scene.mesh, scene.interfaces, scene.partition);
+  scene.subdomains = extractSubdomains(scene.mesh, scene.partition, {0, 1});
+  scene.rows = buildConstraintRows(scene.mesh, scene.subdomains, scene.prescribed, scene.interfaces, {1}, {7.0, 21.0});
+  return scene;
+}
+
+std::vector<int> ranksOf(const Scene& scene, int ranks) {
+  std::vector<double> work;
+  for (const auto& sub : scene.subdomains) work.push_back(workOfSubdomain(sub.numNodes()));
+  return dealToRanks(work, ranks);
+}
+
+struct Sent {
+  int all = 0, contact = 0;
+};
+
+// Rows that more than one rank has entries of.
+Sent sharedRows(const Scene& scene, const std::vector<int>& rankOf) {
+  Sent sent;
+  for (GlobalOrdinal row = 0; row < scene.rows.numRows(); ++row) {
+    std::set<int> ranks;
+    for (auto k = scene.rows.offsets[row]; k < scene.rows.offsets[row + 1]; ++k) ranks.insert(rankOf[scene.rows.entries[k].subdomain]);
+    if (ranks.size() < 2) continue;
+    ++sent.all;
+    sent.contact += !isEquality(scene.rows.kinds[row]);
+  }
+  return sent;
+}
+
+TEUCHOS_UNIT_TEST(SubdomainOrder, ChangesNumbersOnly) {
+  const Scene before = longBodies(24, false), after = longBodies(24, true);
+  TEST_EQUALITY(after.partition.count, before.partition.count);
+  std::vector<std::set<int>> elements(24), same(24);
+  for (std::size_t e = 0; e < before.partition.ofElement.size(); ++e) {
+    elements[before.partition.ofElement[e]].insert(int(e));
+    same[after.partition.ofElement[e]].insert(int(e));
+    TEST_EQUALITY(after.partition.bodyOfSubdomain[after.partition.ofElement[e]], before.bodies.ofElement[e]);
+  }
+  std::sort(elements.begin(), elements.end());
+  std::sort(same.begin(), same.end());
+  TEST_ASSERT(elements == same);
+}
+
+TEUCHOS_UNIT_TEST(SubdomainOrder, BodiesInContactShareRanks) {
+  const Scene before = longBodies(48, false), after = longBodies(48, true);
+  for (int ranks : {2, 3, 4}) {
+    const Sent apart = sharedRows(before, ranksOf(before, ranks)), together = sharedRows(after, ranksOf(after, ranks));
+    out << ranks << " ranks: rows shared " << apart.all << " -> " << together.all << ", of contact " << apart.contact << " -> "
+        << together.contact << "\n";
+    TEST_ASSERT(together.all < 1.3 * apart.all && 2 * together.contact < apart.contact);
+  }
+}
+
+TEUCHOS_UNIT_TEST(SubdomainOrder, RanksShareWorkAndPairs) {
+  const Scene scene = longBodies(48, true);
+  for (int ranks : {2, 4}) {
+    const auto rankOf = ranksOf(scene, ranks);
+    std::vector<double> work(ranks, 0), pairs(ranks, 0);
+    for (const auto& sub : scene.subdomains) work[rankOf[sub.id]] += workOfSubdomain(sub.numNodes()) * ranks;
+    for (const auto& pair : scene.rows.pairs) pairs[rankOf[scene.rows.owner[pair.normal]]] += ranks;
+    const auto largest = [](const std::vector<double>& share) {  // of the mean
+      double sum = 0;
+      for (double s : share) sum += s / double(share.size());
+      return *std::max_element(share.begin(), share.end()) / sum;
+    };
+    out << ranks << " ranks: work " << largest(work) << ", pairs " << largest(pairs) << " of the mean\n";
+    TEST_ASSERT(largest(work) < 1.1);
+    TEST_ASSERT(largest(pairs) < 1.4);
+  }
+}
+
+// A body alone, a body per subdomain, and no contact at all.
+TEUCHOS_UNIT_TEST(SubdomainOrder, TakesAnyModel) {
+  for (int subdomains : {2, 3}) {
+    SceneOptions options;
+    options.subdomains = subdomains;
+    options.contact = false;
+    Scene scene = makeScene(options);
+    orderSubdomains(scene.mesh, scene.interfaces, scene.partition);
+    std::set<int> numbers(scene.partition.ofElement.begin(), scene.partition.ofElement.end());
+    TEST_EQUALITY(int(numbers.size()), subdomains);
+    TEST_EQUALITY(*numbers.begin(), 0);
+    TEST_EQUALITY(*numbers.rbegin(), subdomains - 1);
+  }
+}
+
+}  // namespace
