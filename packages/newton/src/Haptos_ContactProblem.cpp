@@ -52,6 +52,14 @@ class RowsOfOperator final : public Operator {
   Columns columns_;
 };
 
+// A wrong order would cost applications, not digits, and not be noticed.
+bool hasRows(const Map& map, const Map& all, const std::vector<int>& rows) {
+  if (localNumElements(map) != rows.size()) return false;
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (map.getGlobalElement(int(i)) != all.getGlobalElement(rows[i])) return false;
+  return true;
+}
+
 }  // namespace
 
 RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vector<PairLaw>& pairs) {
@@ -69,9 +77,9 @@ ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector
   const std::vector<int> rows = contactRows(o.pairs);
   if (o.contactM.is_null()) o.contactM = contactBlockOf(o.M, o.pairs);
   if (o.contactRowsOfM.is_null()) o.contactRowsOfM = Teuchos::rcp(new RowsOfOperator(o.M, rows, RowsOfOperator::Columns::All));
-  const std::size_t contact = rows.size();
-  TEUCHOS_ASSERT(localNumElements(*o.contactM->getDomainMap()) == contact && localNumElements(*o.contactM->getRangeMap()) == contact);
-  TEUCHOS_ASSERT(localNumElements(*o.contactRowsOfM->getRangeMap()) == contact);
+  const Map& all = *o.F->getRangeMap();
+  TEUCHOS_ASSERT(hasRows(*o.contactM->getDomainMap(), all, rows) && hasRows(*o.contactM->getRangeMap(), all, rows));
+  TEUCHOS_ASSERT(hasRows(*o.contactRowsOfM->getRangeMap(), all, rows));
 }
 
 }  // namespace Haptos

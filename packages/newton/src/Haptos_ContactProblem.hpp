@@ -23,7 +23,7 @@ struct ContactOperators {
   RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
   RCP<const Vector> h;                ///< [length]
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
-  RCP<const Operator> contactM;       ///< M between contact rows, on a map of those alone (`contactRows`); null: M itself is used
+  RCP<const Operator> contactM;       ///< M between contact rows, on `mapOfRows` of F's map and `contactRows`; null: M itself is used
   RCP<const Operator> contactRowsOfM; ///< from all rows to the contact rows of M; null: M itself is used
   /// A better M with G M = 0 (DeflatedPreconditioner), and M between contact rows where that is cheaper than M; else null.
   struct Deflated {
@@ -53,6 +53,7 @@ RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vect
 /// lambda is start (made to obey G lambda = e) and result.
 class ContactProblem : public Belos::LinearProblem<double, MultiVector, Operator> {
  public:
+  /// \throws std::logic_error if operators are missing, or their sizes or contact rows do not agree.
   ContactProblem(ContactOperators operators, const RCP<MultiVector>& lambda);
 
   const ContactOperators& operators() const { return operators_; }

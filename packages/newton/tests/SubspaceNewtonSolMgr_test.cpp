@@ -198,6 +198,18 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ContactBlockTakenOrGiven) {
   }
 }
 
+// Taken silently, it would cost applications only.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ContactBlockInAnotherOrderIsRefused) {
+  const DenseContact d = makeContact(40, 30, false, 3);
+  Setup t(d);
+  ContactOperators o = t.operators();
+  std::vector<int> rows = contactRows(o.pairs);
+  std::reverse(rows.begin(), rows.end());
+  const Eigen::Index n = 3 * d.layout.groups;
+  o.contactM = rcp(new DenseOperator(mapOfRows(*t.map, rows), d.M.topLeftCorner(n, n)));
+  TEST_THROW(ContactProblem(o, t.lambda), std::logic_error);
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, UnitsChangeNothing) {
   const DenseContact d = makeContact(30, 24, false, 5);
   int first = 0;
