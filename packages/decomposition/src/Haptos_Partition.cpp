@@ -1,16 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Partition.hpp"
 
-#include <metis.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 
 #include "Haptos_Error.hpp"
-#include "Haptos_RoundParts.hpp"
 
 namespace Haptos {
 namespace {
@@ -18,22 +14,11 @@ namespace {
 // Small enough for cheap factors, large enough to keep the coarse problem small.
 constexpr double kElementsPerSubdomainHex = 180, kElementsPerSubdomainTet = 1500;
 
-struct Pieces {
-  int count = 0;
-  std::vector<int> ofElement;            // [numElements] side-connected piece
-  std::vector<int> body;                 // [count]
-  std::vector<std::vector<int>> elements;  // [count]
-};
-
-Pieces sideConnectedPieces(const DualGraph& graph, const Bodies& bodies) {
-  Pieces pieces;
+BodyPieces sideConnectedPieces(const DualGraph& graph) {
+  BodyPieces pieces;
   pieces.ofElement = connectedComponents(graph, {}, pieces.count);
-  pieces.body.resize(pieces.count);
   pieces.elements.resize(pieces.count);
-  for (std::size_t e = 0; e < pieces.ofElement.size(); ++e) {
-    pieces.body[pieces.ofElement[e]] = bodies.ofElement[e];
-    pieces.elements[pieces.ofElement[e]].push_back(int(e));
-  }
+  for (std::size_t e = 0; e < pieces.ofElement.size(); ++e) pieces.elements[pieces.ofElement[e]].push_back(int(e));
   return pieces;
 }
 
@@ -46,7 +31,7 @@ double idealCount(const Mesh& mesh) {
 }
 
 // Parts per piece in proportion to its elements, at least one and at most one per element.
-std::vector<int> sharePartsOut(const Mesh& mesh, const Pieces& pieces, int total) {
+std::vector<int> sharePartsOut(const Mesh& mesh, const BodyPieces& pieces, int total) {
   const double numElements = double(mesh.numElements());
   std::vector<int> parts(pieces.count, 1);
   std::vector<double> ideal(pieces.count);
@@ -58,70 +43,6 @@ std::vector<int> sharePartsOut(const Mesh& mesh, const Pieces& pieces, int total
     ++parts[best];
   }
   return parts;
-}
-
-// METIS takes whole numbers, whose sum must stay within an idx_t.  The least coupling counts 1, so that a regular mesh
-// of cubes has no weights at all.
-std::vector<idx_t> edgeWeights(const std::vector<double>& couplings) {
-  double least = std::numeric_limits<double>::infinity();
-  for (double c : couplings)
-    if (c > 0) least = std::min(least, c);
-  const double largest = std::max(1.0, std::min(1e4, 1e9 / double(couplings.size() + 1)));
-  std::vector<idx_t> weights;
-  for (double c : couplings) weights.push_back(c > 0 ? idx_t(std::lround(std::min(largest, c / least))) : 1);
-  return weights;
-}
-
-std::vector<int> runMetis(const DualGraph& graph, const std::vector<int>& elements, int parts, int seed) {
-  std::vector<idx_t> position(graph.offsets.size() - 1, -1), offsets{0}, neighbours;
-  std::vector<double> couplings;
-  for (std::size_t i = 0; i < elements.size(); ++i) position[elements[i]] = idx_t(i);
-  for (int e : elements) {
-    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
-      neighbours.push_back(position[graph.neighbours[k]]);
-      couplings.push_back(graph.couplings[k]);
-    }
-    offsets.push_back(idx_t(neighbours.size()));
-  }
-  auto weights = edgeWeights(couplings);
-  idx_t options[METIS_NOPTIONS];
-  METIS_SetDefaultOptions(options);
-  options[METIS_OPTION_SEED] = seed;
-  options[METIS_OPTION_NUMBERING] = 0;
-  options[METIS_OPTION_CONTIG] = 1;
-  options[METIS_OPTION_NCUTS] = 1;
-  options[METIS_OPTION_UFACTOR] = 50;
-  idx_t n = idx_t(elements.size()), constraints = 1, count = parts, cut = 0;
-  std::vector<idx_t> part(elements.size(), 0);
-  if (parts > 1) {
-    const int status = METIS_PartGraphKway(&n, &constraints, offsets.data(), neighbours.data(), nullptr, nullptr,
-                                           weights.data(), &count, nullptr, nullptr, options, &cut, part.data());
-    TEUCHOS_TEST_FOR_EXCEPTION(status != METIS_OK, std::runtime_error, "METIS_PartGraphKway failed with status " << status);
-  }
-  return std::vector<int>(part.begin(), part.end());
-}
-
-// METIS may leave parts empty where there are few elements for each.  Every empty one takes from the largest part the
-// element that a breadth-first walk reaches last: what remains of that part stays connected.
-void fillEmptyParts(const DualGraph& graph, const std::vector<int>& elements, int parts, std::vector<int>& part) {
-  std::vector<int> size(parts, 0), position(graph.offsets.size() - 1, -1);
-  for (std::size_t i = 0; i < elements.size(); ++i) position[elements[i]] = int(i), ++size[part[i]];
-  for (int empty = 0; empty < parts; ++empty) {
-    if (size[empty] > 0) continue;
-    const int from = int(std::max_element(size.begin(), size.end()) - size.begin());
-    std::vector<int> walk{int(std::find(part.begin(), part.end(), from) - part.begin())};
-    std::vector<char> seen(part.size(), 0);
-    seen[walk[0]] = 1;
-    for (std::size_t at = 0; at < walk.size(); ++at) {
-      const int e = elements[walk[at]];
-      for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
-        const int other = position[graph.neighbours[k]];
-        if (!seen[other] && part[other] == from) seen[other] = 1, walk.push_back(other);
-      }
-    }
-    part[walk.back()] = empty;
-    --size[from], ++size[empty];
-  }
 }
 
 // A part in several fragments keeps its largest one.  Each other fragment goes to the part with whose main fragment it
@@ -171,7 +92,7 @@ int compress(std::vector<int>& part) {
   return next;
 }
 
-void checkCount(const Mesh& mesh, const Pieces& pieces, int wanted) {
+void checkCount(const Mesh& mesh, const BodyPieces& pieces, int wanted) {
   if (wanted < pieces.count)
     throw InputError("Decomposition->Subdomains = " + std::to_string(wanted) + " is too small: the mesh has " +
                      std::to_string(pieces.count) + " separate pieces and each needs a subdomain of its own");
@@ -180,35 +101,67 @@ void checkCount(const Mesh& mesh, const Pieces& pieces, int wanted) {
                      std::to_string(mesh.numElements()) + ")");
 }
 
-std::vector<int> cutByMetis(const Mesh& mesh, const DualGraph& graph, const Pieces& pieces, const PartitionOptions& options) {
+// A piece alone: its elements by their place in it.
+PieceToCut extractPiece(const DualGraph& graph, const std::vector<std::array<double, 3>>& centroids, const std::vector<int>& elements,
+                        std::vector<int>& place) {
+  PieceToCut piece;
+  piece.graph.offsets.push_back(0);
+  for (std::size_t i = 0; i < elements.size(); ++i) place[std::size_t(elements[i])] = int(i);
+  for (int e : elements) {
+    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
+      piece.graph.neighbours.push_back(place[std::size_t(graph.neighbours[k])]);
+      piece.graph.couplings.push_back(graph.couplings[k]);
+    }
+    piece.graph.offsets.push_back(std::int64_t(piece.graph.neighbours.size()));
+    piece.centroids.push_back(centroids[std::size_t(e)]);
+  }
+  return piece;
+}
+
+std::vector<PieceToCut> piecesToCut(const Mesh& mesh, const DualGraph& graph, const BodyPieces& pieces, const PartitionOptions& options) {
   const int automatic = std::max(pieces.count, int(std::lround(idealCount(mesh))));
   const int total = options.subdomains == 0 ? automatic : options.subdomains;
   checkCount(mesh, pieces, total);
   const auto parts = sharePartsOut(mesh, pieces, total);
-  std::vector<int> result(mesh.numElements());
-  std::vector<double> wanted;
+  const auto centroids = elementCentroids(mesh);
+  std::vector<int> place(mesh.numElements());
+  std::vector<PieceToCut> result;
+  for (int p = 0; p < pieces.count; ++p) {
+    result.push_back(extractPiece(graph, centroids, pieces.elements[p], place));
+    result.back().parts = parts[p];
+    result.back().seed = options.seed;
+  }
+  return result;
+}
+
+// Parts of all pieces, one piece after the other.
+std::vector<int> numberParts(const BodyPieces& pieces, const std::vector<PieceToCut>& cuts, const std::vector<std::vector<int>>& partsOfPieces) {
+  std::vector<int> part(pieces.ofElement.size());
   int first = 0;
   for (int p = 0; p < pieces.count; ++p) {
-    auto local = runMetis(graph, pieces.elements[p], parts[p], options.seed);
-    fillEmptyParts(graph, pieces.elements[p], parts[p], local);
-    for (std::size_t i = 0; i < local.size(); ++i) result[pieces.elements[p][i]] = first + local[i];
-    wanted.insert(wanted.end(), parts[p], double(pieces.elements[p].size()) / parts[p]);
-    first += parts[p];
+    for (std::size_t i = 0; i < pieces.elements[p].size(); ++i) part[std::size_t(pieces.elements[p][i])] = first + partsOfPieces[p][i];
+    first += cuts[p].parts;
   }
-  roundParts(graph, elementCentroids(mesh), wanted, result);
-  return result;
+  return part;
 }
 
 }  // namespace
 
-Partition partitionMesh(const Mesh& mesh, const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options) {
-  const Pieces pieces = sideConnectedPieces(graph, bodies);
+PartitionPlan planPartition(const Mesh& mesh, const DualGraph& graph, const PartitionOptions& options) {
+  PartitionPlan plan;
+  plan.pieces = sideConnectedPieces(graph);
+  if (options.method == PartitionMethod::Metis) plan.cuts = piecesToCut(mesh, graph, plan.pieces, options);
+  return plan;
+}
+
+Partition finishPartition(const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options, const PartitionPlan& plan,
+                          const std::vector<std::vector<int>>& partsOfPieces) {
   Partition result;
   switch (options.method) {
-    case PartitionMethod::Metis: result.ofElement = cutByMetis(mesh, graph, pieces, options); break;
-    case PartitionMethod::Block: result.ofElement = pieces.ofElement; break;
+    case PartitionMethod::Metis: result.ofElement = numberParts(plan.pieces, plan.cuts, partsOfPieces); break;
+    case PartitionMethod::Block: result.ofElement = plan.pieces.ofElement; break;
     case PartitionMethod::Bricks:
-      TEUCHOS_ASSERT(options.bricks.size() == mesh.numElements());
+      TEUCHOS_ASSERT(options.bricks.size() == bodies.ofElement.size());
       result.ofElement = options.bricks;
       break;
   }
@@ -217,6 +170,13 @@ Partition partitionMesh(const Mesh& mesh, const DualGraph& graph, const Bodies& 
   result.bodyOfSubdomain.resize(result.count);
   for (std::size_t e = 0; e < result.ofElement.size(); ++e) result.bodyOfSubdomain[result.ofElement[e]] = bodies.ofElement[e];
   return result;
+}
+
+Partition partitionMesh(const Mesh& mesh, const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options) {
+  const PartitionPlan plan = planPartition(mesh, graph, options);
+  std::vector<std::vector<int>> parts;
+  for (const auto& piece : plan.cuts) parts.push_back(cutPiece(piece));
+  return finishPartition(graph, bodies, options, plan, parts);
 }
 
 std::vector<int> dealToRanks(const std::vector<double>& weights, int ranks) {

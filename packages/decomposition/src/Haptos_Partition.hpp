@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "Haptos_DualGraph.hpp"
+#include "Haptos_PieceCut.hpp"
 
 namespace Haptos {
 
@@ -23,14 +24,32 @@ struct Partition {
   int mended = 0;                    ///< fragments that the cut left disconnected and that went to a neighbour
 };
 
-/// \brief Cuts every body by itself (METIS k-way on the dual graph, or given bricks, or one part a body).
+/// \brief Side-connected pieces of the bodies.  A body that is connected through nodes only (a hinge) has several.
+struct BodyPieces {
+  int count = 0;
+  std::vector<int> ofElement;              ///< [numElements]
+  std::vector<std::vector<int>> elements;  ///< [count] ascending
+};
+
+/// \brief What remains to be done for a partition: METIS cuts every piece by itself; nothing is left for the other methods.
+struct PartitionPlan {
+  BodyPieces pieces;
+  std::vector<PieceToCut> cuts;  ///< [pieces.count], or empty
+};
+
+/// \name A partition in three steps, of which the second, `cutPiece` of all `cuts`, may be shared by ranks (`cutOnRanks`).
 ///
-/// METIS' parts are made round (`roundParts`); bricks stay as they are.
-///
-/// The result depends on the mesh, the options and nothing else; in particular not on the number of ranks.
-/// A body that is connected through nodes only (a hinge) is cut into its side-connected pieces first, so
-/// that six rigid motions are the whole kernel of every subdomain.
+/// The result depends on the mesh, the options and nothing else; in particular not on the number of ranks.  Pieces are
+/// side-connected, so that six rigid motions are the whole kernel of every subdomain.  Bricks stay as they are.
+/// @{
 /// \throws InputError if more subdomains are asked for than there are elements, or fewer than needed.
+PartitionPlan planPartition(const Mesh& mesh, const DualGraph& graph, const PartitionOptions& options);
+/// \param partsOfPieces [plan.cuts] what `cutPiece` returned
+Partition finishPartition(const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options, const PartitionPlan& plan,
+                          const std::vector<std::vector<int>>& partsOfPieces);
+/// @}
+
+/// \brief All three steps, serial.
 Partition partitionMesh(const Mesh& mesh, const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options);
 
 /// \brief Deals subdomains to ranks in contiguous groups of about equal weight.

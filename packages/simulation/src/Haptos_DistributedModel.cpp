@@ -129,9 +129,13 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuc
     runOnRoot(*comm, [&] { mesh = source ? *source : makeMesh(parameters); });
   }
   const auto scope = clock.time(Phase::Decompose);
+  ModelDraft draft;
+  runOnRoot(*comm, [&] { draft = draftModel(parameters, std::move(mesh), model.data, model.global); });
+  const auto parts = cutOnRanks(*comm, draft.plan.cuts);
   std::vector<Bytes> headers(comm->getSize());
   runOnRoot(*comm, [&] {
-    buildModel(parameters, std::move(mesh), model.data, model.global);
+    finishModel(draft, parts, model.data, model.global);
+    draft = {};
     headers.assign(comm->getSize(), packHeader(model.global.mesh, model.data, model.global));
   });
   unpackHeader(scatterFromRoot(*comm, headers), parameters, isReader, model);

@@ -184,24 +184,31 @@ SourceMesh makeMesh(const ParameterList& parameters) {
   return source;
 }
 
-void buildModel(const ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model) {
+ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model) {
+  ModelDraft draft;
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
-  const auto materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
-  chooseFormulation(materialOfBlock, model.mesh, data);
+  draft.materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
+  chooseFormulation(draft.materialOfBlock, model.mesh, data);
   model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
   data.loads = collectLoads(parameters.sublist("Boundary Conditions"), model.mesh);
   readContact(parameters.sublist("Contact"), data, model);
 
-  const DualGraph graph = buildDualGraph(model.mesh);
-  const Bodies bodies = findBodies(model.mesh);
-  data.bodyNames = bodies.names;
-  const auto options = partitionOptions(parameters.sublist("Decomposition"), source.bricks);
-  data.metis = options.method == PartitionMethod::Metis;
-  model.partition = partitionMesh(model.mesh, graph, bodies, options);
+  draft.graph = buildDualGraph(model.mesh);
+  draft.bodies = findBodies(model.mesh);
+  data.bodyNames = draft.bodies.names;
+  draft.options = partitionOptions(parameters.sublist("Decomposition"), source.bricks);
+  data.metis = draft.options.method == PartitionMethod::Metis;
+  draft.plan = planPartition(model.mesh, draft.graph, draft.options);
+  return draft;
+}
+
+void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model) {
+  model.partition = finishPartition(draft.graph, draft.bodies, draft.options, draft.plan, partsOfPieces);
   data.mendedFragments = model.partition.mended;
-  if (options.method != PartitionMethod::Bricks) orderSubdomains(model.mesh, model.interfaces, model.partition);  // bricks come in order
-  model.subdomains = extractSubdomains(model.mesh, model.partition, materialOfBlock);
+  const bool comesInOrder = draft.options.method == PartitionMethod::Bricks;
+  if (!comesInOrder) orderSubdomains(model.mesh, model.interfaces, model.partition);
+  model.subdomains = extractSubdomains(model.mesh, model.partition, draft.materialOfBlock);
 
   std::vector<char> frictional;
   for (const auto& spec : data.friction) frictional.push_back(spec.law != FrictionLaw::Frictionless);

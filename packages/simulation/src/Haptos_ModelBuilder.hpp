@@ -57,11 +57,24 @@ struct SourceMesh {
 /// \brief Reads or generates the mesh of the parameters.  Serial.
 SourceMesh makeMesh(const Teuchos::ParameterList& parameters);
 
-/// \brief Turns the parameters and a mesh into a model; serial, on the reader.
-///
+/// \brief What the first half of a model leaves for the second.
+struct ModelDraft {
+  std::vector<int> materialOfBlock;
+  DualGraph graph;
+  Bodies bodies;
+  PartitionOptions options;
+  PartitionPlan plan;
+};
+
+/// \name Parameters and a mesh become a model, on the reader, up to the cut and from there on; each half is serial.
+/// @{
 /// \param parameters validated, with all defaults
-/// \throws InputError naming the parameter and what exists; InsufficientModel for a violated pinned contact row.
-void buildModel(const Teuchos::ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model);
+/// \throws InputError naming the parameter and what exists
+ModelDraft draftModel(const Teuchos::ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model);
+/// \param partsOfPieces [draft.plan.cuts] from `cutOnRanks`
+/// \throws InsufficientModel for a violated pinned contact row
+void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model);
+/// @}
 
 /// \brief Prescribed values of all Displacement conditions, sorted; serial.
 /// \throws InputError for a missing set, or for two conditions that differ at a node, naming both.
