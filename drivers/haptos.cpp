@@ -17,6 +17,7 @@
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 #include "Haptos_MpiCounter.hpp"
 #include "Haptos_Parameters.hpp"
 #include "Haptos_RunClock.hpp"
@@ -31,17 +32,16 @@ enum ExitStatus { kSolved = 0, kWrongInput = 1, kNotConverged = 2, kNoSolution =
 void printResult(Progress& progress, const SimulationResult& result) {
   const RunReport& report = result.report;
   progress.finish();
-  char text[256];
-  std::snprintf(text, sizeof text, "%s: kkt %.2e (tolerance %.1e) after %ld multiplications by F (%s)", report.solver.status.c_str(),
-                report.accuracy.errors.kkt(), report.tolerance, report.solver.hessianMultiplications, report.solver.method.c_str());
-  progress.line(text);
+  progress.line(report.solver.status + ": kkt " + formatted("%.2e", report.accuracy.errors.kkt()) + " (tolerance " +
+                formatted("%.1e", report.tolerance) + ") after " + std::to_string(report.solver.hessianMultiplications) +
+                " multiplications by F (" + report.solver.method + ")");
   if (!report.solver.reason.empty()) progress.warn(report.solver.reason);
   for (std::size_t i = 0; i < report.interfaces.size(); ++i) {
     const InterfaceResult& r = report.interfaces[i];
-    std::snprintf(text, sizeof text, "contact '%s': normal force %.6g, tangential force (%.6g, %.6g, %.6g); %ld stick, %ld slip, %ld open",
-                  report.interfaceNames[i].c_str(), r.normalForce, r.tangentialForce[0], r.tangentialForce[1], r.tangentialForce[2],
-                  r.stick, r.slip, r.open);
-    progress.line(text);
+    std::string force;
+    for (double component : r.tangentialForce) force += (force.empty() ? "" : ", ") + formatted("%.6g", component);
+    progress.line("contact '" + report.interfaceNames[i] + "': normal force " + formatted("%.6g", r.normalForce) + ", tangential force (" +
+                  force + "); " + std::to_string(r.stick) + " stick, " + std::to_string(r.slip) + " slip, " + std::to_string(r.open) + " open");
   }
 }
 

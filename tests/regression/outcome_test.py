@@ -74,6 +74,49 @@ class Solved(SceneTest):
                     self.assertAlmostEqual(joint["tangential_force"][0], -0.3 * part, delta=1e-5)
                     self.assertGreater(joint["stick"], 0, "nothing sticks, so nothing holds")
 
+    def test_friction_along_one_axis_only(self):
+        """The body is free to slide along the other axis, where no load acts."""
+        for law in ({"Law": "Coulomb"}, {"Law": "Tresca", "Slip Bound": 1.0}):
+            for coefficients in ([0.3, 0.0], [0.0, 0.3], [1e-300, 1e-300]):
+                scene = sliding(0.0)
+                scene["Contact"]["joint"]["Friction"] = {**law, "Coefficients": coefficients}
+                with self.subTest(law=law, coefficients=coefficients):
+                    for ranks in RANKS:
+                        summary = self.solve(scene, ranks=ranks)
+                        self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
+                        self.assertAlmostEqual(summary["contact"]["joint"]["normal_force"], 1.0, delta=1e-5)
+
+    def test_no_preconditioner(self):
+        """Automatic takes the method that needs none."""
+        summary = self.solve(stack(Preconditioner__Type="None"))
+        self.assertEqual(summary["solver"]["method"], "SMALSE")
+        self.assertAlmostEqual(summary["contact"]["joint"]["normal_force"], self.solve(stack())["contact"]["joint"]["normal_force"], delta=1e-5)
+
+    def test_bodies_moved_apart(self):
+        """No stress anywhere: forces are round-off, which nothing may be divided by."""
+        scene = stack()
+        del scene["Boundary Conditions"]["press"]
+        for height in (1e-6, 1.0):
+            scene["Boundary Conditions"]["side"] = displacement(["upper_top"], (0.0, 0.0, height))
+            for ranks in RANKS:
+                summary = self.solve(scene, ranks=ranks)
+                self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
+                self.assertEqual(summary["contact"]["joint"]["open"], 9)
+        del scene["Contact"]
+        self.assertLessEqual(self.solve(scene)["accuracy"]["kkt"], 1e-6)
+
+    def test_forces_of_a_tied_interface(self):
+        scene = stack()
+        del scene["Boundary Conditions"]["side"]
+        scene["Contact"]["joint"]["Friction"] = {"Law": "Tied"}
+        scene["Boundary Conditions"]["press"] = {"Type": "Traction", "Sets": ["upper_top"], "Value": [0.25, -0.5, 2.0]}
+        for ranks in RANKS:
+            joint = self.solve(scene, ranks=ranks)["contact"]["joint"]
+            self.assertAlmostEqual(joint["normal_force"], -2.0, delta=1e-5)
+            for force, wanted in zip(joint["tangential_force"], (-0.25, 0.5, 0.0)):
+                self.assertAlmostEqual(force, wanted, delta=1e-5)
+            self.assertEqual((joint["stick"], joint["slip"], joint["open"]), (9, 0, 0))
+
     def test_overlap_within_the_gap(self):
         """A clamped pair that just touches is pinned, and the rest is solved."""
         scene = stack()

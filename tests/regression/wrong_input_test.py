@@ -134,6 +134,14 @@ class WrongMesh(WrongInput):
     def test_block_without_material(self):
         self.refuse(stack(Materials={"soft": material(["lower"])}), "'upper'", "no material")
 
+    def test_block_named_twice(self):
+        for names in (["lower", "lower", "upper"], ["lower", "upper", "lower"]):
+            self.refuse(stack(Materials={"soft": material(names)}), "Materials->soft->Element Blocks", "'lower'", "twice")
+
+    def test_block_of_two_materials(self):
+        self.refuse(stack(Materials={"soft": material(["lower", "upper"]), "hard": material(["upper"])}), "Element Blocks", "'upper'",
+                    "already has the material")
+
     def test_missing_block(self):
         self.refuse(stack(Materials={"soft": material(["lower", "uper"])}), "Materials->soft->Element Blocks", "'uper'",
                     "lower", "upper")
@@ -189,6 +197,22 @@ class WrongOutput(WrongInput):
         os.mkfifo(self.folder / "pipe")  # a device would do as well, but a test should not risk one
         self.refuse(stack(Output__File="pipe"), "Output->File", "'pipe'", "device or a pipe")
         self.refuse(stack(Output__Summary="pipe"), "Output->Summary", "'pipe'", "device or a pipe")
+
+    def test_result_in_the_place_of_an_input(self):
+        """Also by another way to the same file."""
+        os.symlink("stack.exo", self.folder / "link.exo")
+        os.link(self.folder / "stack.exo", self.folder / "hard_link.exo")
+        whole = (self.folder / "stack.exo").read_bytes()
+        for name in ("stack.exo", "./stack.exo", "link.exo", "hard_link.exo"):
+            for output in ("File", "Summary"):
+                self.refuse(stack(**{f"Output__{output}": name}), f"Output->{output}", "Mesh->File", "stack.exo", "another name")
+        for output in ("File", "Summary"):
+            self.refuse(stack(**{f"Output__{output}": "scene.xml"}), f"Output->{output}", "scene.xml", "the input")
+            self.refuse(stack(), "Output->File", "scene.xml", arguments=["--output", "scene.xml"])
+        self.assertEqual((self.folder / "stack.exo").read_bytes(), whole)
+
+    def test_one_name_for_two_results(self):
+        self.refuse(stack(Output__Summary="./result.exo"), "Output->Summary", "Output->File", "another name")
 
     def test_folder_is_not_writable(self):
         locked = self.folder / "locked"

@@ -77,8 +77,13 @@ TEUCHOS_UNIT_TEST(Tied, BesideContact) {
   TEST_EQUALITY(result.report.model.contactPairs, 16);
   TEST_EQUALITY(result.report.solver.method, "Subspace Newton");
   if (result.pairs.empty()) return;  // not the root
-  TEST_FLOATING_EQUALITY(resultants(result).normal, 1.0, 1e-6);
-  TEST_FLOATING_EQUALITY(-resultants(result).tangential[0], -0.05 * -1.0, 1e-5);
+  for (const auto& interface : result.report.interfaces) {  // in series: both carry the load
+    TEST_FLOATING_EQUALITY(interface.normalForce, 1.0, 1e-6);
+    TEST_FLOATING_EQUALITY(interface.tangentialForce[0], -0.05, 1e-5);
+  }
+  TEST_EQUALITY(result.report.interfaces[0].stick, 16L);
+  for (const auto& pair : result.pairs)
+    if (pair.interface == 0) TEST_ASSERT(std::hypot(pair.slip[0], pair.slip[1], pair.slip[2]) < 1e-7);
 }
 
 TEUCHOS_UNIT_TEST(Tied, DisplacementsThatPartItAreRefused) {

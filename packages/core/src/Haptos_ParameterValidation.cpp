@@ -301,4 +301,13 @@ std::string resolvePath(const std::string& folder, const std::string& name) {
   return (std::filesystem::path(folder) / path).lexically_normal().string();
 }
 
+void requireOtherFile(const std::string& what, const std::string& file, const std::string& otherWhat, const std::string& other) {
+  if (file.empty() || other.empty()) return;
+  namespace fs = std::filesystem;
+  std::error_code error;
+  bool same = fs::equivalent(file, other, error);  // false where one of them is not there yet
+  if (!same) same = fs::weakly_canonical(fs::absolute(file), error) == fs::weakly_canonical(fs::absolute(other), error) && !error;
+  if (same) refuse(what, "'" + file + "' is the file of " + otherWhat + " ('" + other + "'), which would be lost; give another name");
+}
+
 }  // namespace Haptos

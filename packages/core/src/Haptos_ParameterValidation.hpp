@@ -42,4 +42,9 @@ void resolveFileNames(const ParameterTree& tree, Teuchos::ParameterList& list, c
 /// \brief `name` as seen from `folder`: unchanged if absolute, empty or `folder` is empty.
 std::string resolvePath(const std::string& folder, const std::string& name);
 
+/// \brief A file that will be written must not replace another one of the run, also not through links.  An empty name is no file.
+/// \param what, otherWhat  whose names these are, as "Output->File"
+/// \throws InputError naming both
+void requireOtherFile(const std::string& what, const std::string& file, const std::string& otherWhat, const std::string& other);
+
 }  // namespace Haptos

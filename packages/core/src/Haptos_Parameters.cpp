@@ -50,7 +50,7 @@ void chooseBricks(ParameterList& list) {
 ParameterTree makeTree() {
   ParameterTree tree("Haptos",
                      "Every valid parameter of the input, a Teuchos parameter list named \"Haptos\".");
-  tree.add(ParameterSpec("Title", {ParameterType::String}, "Any text; it is written to the results")
+  tree.add(ParameterSpec("Title", {ParameterType::String}, "Any text; it is the title of the result file (as far as 80 characters go) and of the summary")
                .defaultTo(std::string()))
       .add(meshSection())
       .add(decompositionSection())
@@ -74,7 +74,9 @@ std::string readAndCheck(const Communicator& comm, const std::string& fileName, 
   runOnRoot(comm, [&] {
     text = readTextFile(fileName);
     std::vector<std::string> warnings;
-    parametersFromXml(text, fileName, sets, warnings);
+    const ParameterList output = parametersFromXml(text, fileName, sets, warnings).sublist("Output");
+    for (const char* name : {"File", "Summary"})
+      requireOtherFile(std::string("Output->") + name, output.get<std::string>(name), "the input", fileName);
     for (const auto& warning : warnings) std::cerr << "haptos: warning: " << warning << std::endl;
   });
   int size = int(text.size());

@@ -94,7 +94,7 @@ ParameterTree contactSection() {
                "Matching Tolerance", {Type::Double},
                "Node To Node: largest tangential distance of paired nodes, relative to the element size")
                .defaultTo(1e-3)
-               .within(NumberRange{0, 0.5, true, false})
+               .within(NumberRange{0, 0.25, true, false})
                .measuredIn("-"))
       .add(friction())
       .exactlyOneOf({"Primary Side Set", "Rigid Plane"})

@@ -25,7 +25,7 @@ ParameterTree smalse() {
       .add(number("Eta Factor", 0.1, NumberRange::above(0),
                   "First bound of the projected gradient, relative to the right-hand side"))
       .add(number("Gamma", 1.0, NumberRange::above(0), "Proportioning constant of MPGP"))
-      .add(number("Step Length", 1.0, NumberRange::open(0, 2),
+      .add(number("Step Length", 1.9, NumberRange::open(0, 2),
                   "Fixed length of the expansion step, relative to 1/||A||"));
   return section;
 }

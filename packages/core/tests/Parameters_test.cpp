@@ -119,7 +119,7 @@ TEUCHOS_UNIT_TEST(Parameters, NumbersOutOfRangeAreRefused) {
     TEST_CONTAINS(setRefusal("Solver->Relative Tolerance", bad), "Solver->Relative Tolerance",
                   "1e-14 <= value <= 0.1");
   TEST_CONTAINS(setRefusal("Solver->Maximum Hessian Multiplications", "0"), "value >= 1");
-  TEST_CONTAINS(setRefusal("Contact->interface->Matching Tolerance", "0"), "0 < value <= 0.5");
+  TEST_CONTAINS(setRefusal("Contact->interface->Matching Tolerance", "0"), "0 < value <= 0.25");
   TEST_CONTAINS(setRefusal("Boundary Conditions->weight->Value", "{0, 0, inf}"),
                 "Boundary Conditions->weight->Value", "inf is not a finite number");
   TEST_CONTAINS(setRefusal("Contact->ground->Rigid Plane->Normal", "{0, 0, 0}"),

@@ -100,7 +100,7 @@ CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
 }
 
 void CoarseProblem::addHolds(const Holds& holds, double scale) {
-  held_.add(CoarseBlocks(holds), scale);
+  held_.add(CoarseBlocks(holds), scale > 0 ? scale : 1.0);  // 0: no row at all
   isHeld_ = !holds.empty();
 }
 

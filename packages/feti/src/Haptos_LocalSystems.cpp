@@ -194,18 +194,18 @@ void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<S
   }
 }
 
-// Surface of the class and every unknown that a row of B touches in one of its members.
 std::vector<int> LocalSystems::boundaryOf(int c, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const {
   std::vector<int> dofs = surfaceDofs(subdomains[representative_[c]]);
   std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
   for (int dof : dofs) on[dof] = 1;
   const std::size_t before = dofs.size();
   for (int member : members_[c])
-    for (int dof : jump.touchedDofs(member))
-      if (!on[dof]) {
-        on[dof] = 1;
-        dofs.push_back(dof);
-      }
+    for (int touched : jump.touchedDofs(member))
+      for (int dof = touched - touched % 3; dof < touched - touched % 3 + 3; ++dof)
+        if (!on[dof]) {
+          on[dof] = 1;
+          dofs.push_back(dof);
+        }
   if (dofs.size() > before) std::sort(dofs.begin(), dofs.end());
   return dofs;
 }

@@ -62,6 +62,9 @@ class LocalSystems {
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
+  /// \brief Unknowns of a class's surface, and of the nodes that a row of B touches in one of its members; ascending.
+  std::vector<int> boundaryOf(int congruenceClass, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const;
+
   /// \brief K of a class, as long as it is kept.
   const Eigen::SparseMatrix<double>& stiffness(int congruenceClass) const { return systems_[representative_[congruenceClass]].K; }
   /// \brief Sums of |K_ij| over the unknowns j of one component, [n x 3]: what round-off in K u is proportional to.
@@ -95,7 +98,6 @@ class LocalSystems {
   std::vector<std::vector<int>> members_;   // [classes]
   void solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
   void multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
-  std::vector<int> boundaryOf(int c, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const;
   void makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope);
 
   std::vector<std::unique_ptr<LocalSolver>> solvers_;           // [classes] null where condensed

@@ -10,7 +10,10 @@
 namespace Haptos {
 
 constexpr int kRegister = 32;      // bytes
-constexpr int kAhead = 8192;       // bytes of L between what is used and what is fetched; it comes from memory once a solve
+
+// Bytes of L between what is used and what is fetched.  L comes from memory once a solve: first to the second level, which
+// has room for far more requests on their way than the first one, to which near bytes are fetched from there.
+constexpr int kFar = 16384, kNear = 4096;
 
 template <class Scalar>
 struct Lanes {
@@ -48,7 +51,12 @@ struct ColumnBlock {
 /// \param next where the processor is, \param direction 1 or -1: that of the sweep
 template <class Scalar, int W>
 HAPTOS_INLINE void fetchAhead(const Scalar* next, int direction) {
-  for (int line = 0; line < W * kRegister; line += 64) __builtin_prefetch(reinterpret_cast<const char*>(next) + direction * kAhead + line);
+  constexpr int kReading = 0, kSecondLevel = 2, kFirstLevel = 3;
+  const char* at = reinterpret_cast<const char*>(next);
+  for (int line = 0; line < W * kRegister; line += 64) {
+    __builtin_prefetch(at + direction * kFar + line, kReading, kSecondLevel);
+    __builtin_prefetch(at + direction * kNear + line, kReading, kFirstLevel);
+  }
 }
 
 /// y -= A x, y [m], x [W].  Reads A and y to the end of a register, beyond their rows.

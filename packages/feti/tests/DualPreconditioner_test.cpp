@@ -5,6 +5,7 @@
 #include <Tpetra_Core.hpp>
 
 #include <cmath>
+#include <set>
 
 #include "FetiScene.hpp"
 #include "Haptos_ContactBlock.hpp"
@@ -22,6 +23,24 @@ Scene scene() {
   return makeScene(options);
 }
 
+// One component is prescribed at many nodes, some of them inside a subdomain.
+Scene sceneHeldInside() {
+  SceneOptions options = heldScene(4);
+  options.lower = options.upper = {4, 3, 3};
+  const auto outside = options.hold;
+  options.hold = [outside](int body, const Point& x) { return x[0] > 0.2 && body == 1 ? std::string("y") : outside(body, x); };
+  return makeScene(options);
+}
+
+// Unknowns of the surface and of nodes that rows touch.
+std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
+  const auto surface = surfaceDofs(sub);
+  std::set<int> all(surface.begin(), surface.end());
+  for (const auto& entry : scene.rows.entries)
+    for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
+  return {all.begin(), all.end()};
+}
+
 // W: 1 / weight where B has an entry, 0 elsewhere.
 Eigen::VectorXd denseW(const Scene& scene) {
   const auto offsets = scene.offsets();
@@ -31,8 +50,7 @@ Eigen::VectorXd denseW(const Scene& scene) {
 }
 
 // Schur complement on the surface, or its block of K; zero elsewhere.
-Dense denseS(const Subdomain& sub, const Dense& K, PreconditionerKind kind) {
-  const auto boundary = surfaceDofs(sub);
+Dense denseS(const std::vector<int>& boundary, const Dense& K, PreconditionerKind kind) {
   std::vector<char> on(K.rows(), 0);
   for (int i : boundary) on[i] = 1;
   std::vector<int> interior;
@@ -62,7 +80,7 @@ Dense denseM(const Scene& scene, PreconditionerKind kind) {
   Dense M = Dense::Zero(B.rows(), B.rows());
   for (std::size_t s = 0; s < K.size(); ++s) {
     const Dense D = BD.middleCols(offsets[s], K[s].rows());
-    M += D * denseS(scene.subdomains[s], K[s], kind) * D.transpose();
+    M += D * denseS(boundaryOf(scene, scene.subdomains[s]), K[s], kind) * D.transpose();
   }
   return M;
 }
@@ -71,7 +89,7 @@ constexpr double kSingle = 2e-6;  // what single precision leaves of an entry, i
 
 RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
   return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems,
-                                             SurfaceOperators(*feti.systems, feti.dealt.mine, kind, LocalSolverMethod::Automatic)));
+                                             SurfaceOperators(*feti.systems, feti.dealt.mine, *feti.dealt.jump, kind, LocalSolverMethod::Automatic)));
 }
 
 }  // namespace
@@ -88,6 +106,25 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
   }
   TEST_ASSERT(largest(denseM(s, PreconditionerKind::Dirichlet) - denseM(s, PreconditionerKind::Lumped)) >
               1e-2 * largest(denseM(s, PreconditionerKind::Lumped)));  // the interiors are not empty
+}
+
+// Rows at nodes inside a subdomain must not be left to the unit matrix, whose size depends on the units.
+TEUCHOS_UNIT_TEST(DualPreconditioner, PrescribedNodesInside) {
+  const Scene s = sceneHeldInside();
+  std::size_t inside = 0;
+  for (const auto& sub : s.subdomains) inside += boundaryOf(s, sub).size() - surfaceDofs(sub).size();
+  TEST_ASSERT(inside > 0);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), s), dense = makeFeti(Tpetra::getDefaultComm(), s, LocalDual::Explicit);
+  for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {
+    const Dense reference = denseM(s, kind);
+    for (const Feti* f : {&feti, &dense}) {
+      const auto M = make(*f, kind);
+      TEST_ASSERT(largest(denseOf(*M) - reference) < kSingle * largest(reference));
+      const Eigen::VectorXd diagonal = gathered(*M->diagonal());
+      for (Eigen::Index row = 0; row < diagonal.size(); ++row)
+        TEST_ASSERT(reference(row, row) < 1e-6 * largest(reference) || diagonal[row] > 0.1 * reference(row, row));
+    }
+  }
 }
 
 TEUCHOS_UNIT_TEST(DualPreconditioner, SymmetricAndPositiveSemidefinite) {

@@ -15,6 +15,25 @@ Eigen::VectorXd markGluingRows(const DualVectors& vectors) {
 
 std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
+// Contact values without those of rows that never carry a force.
+Eigen::VectorXd carried(Eigen::VectorXd values, const std::vector<PairLaw>& pairs) {
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (int t = 0; t < 2; ++t)
+      if (!pairs[i].frictional() || pairs[i].coefficients[t] == 0) values[3 * Eigen::Index(i) + 1 + t] = 0;
+  return values;
+}
+
+// Orthonormal combinations of motions whose jumps H [3 pairs x k] some force answers; others may stay what they are.
+Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors) {
+  constexpr double kUnfelt = 1e-10;  // of the largest eigenvalue; a single node gives about 1, round-off 1e-30
+  Eigen::MatrixXd gram = H.transpose() * H;
+  vectors.sum(gram);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  Eigen::Index unfelt = 0;
+  while (unfelt < gram.cols() && eigen.eigenvalues()[unfelt] <= kUnfelt * std::max(1.0, eigen.eigenvalues().tail<1>()[0])) ++unfelt;
+  return eigen.eigenvectors().rightCols(gram.cols() - unfelt);
+}
+
 }  // namespace
 
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
@@ -25,9 +44,13 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   Zk_.resize(coarseSize_, k);
   if (k > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(dual.motions).householderQ() * Eigen::MatrixXd::Identity(coarseSize_, k);
   jumps_ = *dual.GT * Zk_;
-  H_.resize(3 * vectors.numPairs(), Zk_.cols());
-  for (Eigen::Index j = 0; j < Zk_.cols(); ++j) H_.col(j) = vectors.contact(jumps_.col(j));
-  load_ = Zk_.transpose() * dual.e;
+  H_.resize(3 * vectors.numPairs(), k);
+  for (Eigen::Index j = 0; j < k; ++j) H_.col(j) = carried(vectors.contact(jumps_.col(j)), dual.pairs);
+  if (k == 0) return;
+  const Eigen::MatrixXd felt = feltMotions(H_, vectors);
+  jumps_ *= felt;
+  H_ *= felt;
+  load_ = felt.transpose() * (Zk_.transpose() * dual.e);
 }
 
 Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {

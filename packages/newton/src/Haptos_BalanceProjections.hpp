@@ -11,7 +11,8 @@ namespace Haptos {
 /// \brief Keeps multipliers in balance and jumps free of rigid parts, by the gluing rows alone.
 ///
 /// G_E are the columns of G for gluing and Dirichlet rows.  Motions of whole bodies that these rows do not feel
-/// ("floating" ones, Zk) stay unknowns: H = G_c^T Zk are the contact values that they cause.
+/// ("floating" ones, Zk) stay unknowns: H = G_c^T Zk V are the contact values that they cause, V those combinations that rows
+/// of contact which may carry a force feel.  What none of them feels (a slide without friction) stays 0.
 class GluingBalance {
  public:
   /// Collective.
@@ -31,10 +32,10 @@ class GluingBalance {
 
   const CoarseRows& GT() const { return *dual_.GT; }
   const Eigen::VectorXd& isGluing() const { return isGluing_; }  ///< [rows] 1 or 0
-  Eigen::Index numFloating() const { return Zk_.cols(); }
+  Eigen::Index numFloating() const { return jumps_.cols(); }  ///< k, those that are felt
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
-  const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk
-  const Eigen::VectorXd& load() const { return load_; }      ///< [k] Zk^T e
+  const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk V
+  const Eigen::VectorXd& load() const { return load_; }      ///< [k] (Zk V)^T e
   const CoarseProblem::Holds& holds() const { return dual_.holds; }
 
  private:

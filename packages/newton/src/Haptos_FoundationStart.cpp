@@ -6,6 +6,8 @@
 namespace Haptos {
 namespace {
 
+constexpr double kUnfelt = 1e-12;  // rank: a motion that nothing resists today stays where it is
+
 struct State {
   Eigen::VectorXd a, forces, h;  // h = H^T P - load, in orthonormal motions
   Eigen::MatrixXd J;
@@ -49,7 +51,9 @@ class Foundation {
     for (double mu : {0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0, 10.0}) {
       Eigen::MatrixXd J = state.J;
       J.diagonal().array() += mu * meanR_;
-      const Eigen::VectorXd da = -J.fullPivLu().solve(state.h);
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
+      qr.setThreshold(kUnfelt);
+      const Eigen::VectorXd da = -qr.compute(J).solve(state.h);
       if (!da.allFinite()) continue;
       for (double t = 1; t > 1e-2; t /= 2) {
         State next = evaluate(state.a + t * da);

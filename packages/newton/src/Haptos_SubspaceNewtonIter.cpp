@@ -15,8 +15,10 @@ constexpr int kGaussNewtonSteps = 8;   // in the subspace, between two direction
 constexpr int kWindow = 3;             // steps over which the residual must fall by kWindowFactor
 constexpr double kWindowFactor = 0.6;
 constexpr double kForcing = 0.2;       // linear residual of an inexact Newton step, relative
+constexpr double kWorthTrying = 0.9999; // the same of a further Gauss-Newton step: beyond, all of its trials would fail
 constexpr int kMaxLinear = 40;         // directions for one linearisation
 constexpr double kRankTolerance = 1e-12;
+constexpr double kUnfelt = 1e-13;      // column of the small system
 constexpr double kPenalties[] = {1.0, 0.3, 0.1};  // r relative to the nodal stiffness, in the order of trial
 
 }  // namespace
@@ -74,8 +76,11 @@ SubspaceNewtonIter::SmallSystem SubspaceNewtonIter::smallSystem(const LawLineari
   system.M << Eigen::MatrixXd(subspace_.R().triangularView<Eigen::Upper>()), J.leftCols(m);
   system.rhs << -gluing, J.rightCols(1);
   system.scale = system.M.colwise().norm().transpose();
-  for (double& value : system.scale)
-    if (value == 0) value = 1;
+  for (Eigen::Index j = 0; j < m; ++j) {  // jumps have length 1: a motion that the law of the day does not feel is left alone
+    if (system.scale[j] > kUnfelt) continue;
+    system.scale[j] = 1;
+    system.M.col(j).setZero();
+  }
   for (Eigen::Index j = 0; j < m; ++j) system.M.col(j) /= system.scale[j];
   return system;
 }
@@ -180,7 +185,8 @@ void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
     const SmallSystem system = smallSystem(law_, q);
     const Eigen::VectorXd dy = system.solve();
     // The subspace does not carry this linearisation: new directions first.
-    if (linear_ && step > 0 && std::hypot(std::sqrt(outside2), system.residual(dy)) > kForcing * current) break;
+    const double promised = std::hypot(std::sqrt(outside2), system.residual(dy)) / current;
+    if (step > 0 && promised > (linear_ ? kForcing : kWorthTrying)) break;
     Trial trial = at(y + dy);
     const double fullNorm = trial.norm;
     double t = 1;

@@ -194,11 +194,18 @@ struct SubspaceNewtonSolMgr::Work {
     iteration.setPenalty(r);
   }
 
+  // Jumps so large that nothing can be balanced beside them: a floating body went off.
+  bool hasRunAway() const {
+    constexpr double kFar = 1e6;
+    return vectors.norm(state.s) > kFar * reference;
+  }
+
   NewtonStop continuation() {
     if (dual.needsDeflatedM) useModel();
     const NewtonStop stop = descend();
     if (stop != NewtonStop::Plateau) return stop;
     useModel();
+    if (hasRunAway()) return descend();
     const NewtonStop fromHere = run(pairs, 0.1 * tolerance, count("Patience"), true, false);
     return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
   }

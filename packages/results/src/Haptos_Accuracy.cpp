@@ -124,7 +124,7 @@ LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lamb
   return {std::sqrt(squares), largest};
 }
 
-double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext) {
+double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u) {
   const auto x = u.getData(0);
   double mine = 0, all = 0;
   for (int i = 0; i < systems.size(); ++i) {
@@ -138,7 +138,7 @@ double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>
     }
   }
   Teuchos::reduceAll(*u.getMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
-  return std::numeric_limits<double>::epsilon() * ratio(std::sqrt(all), ext);
+  return std::numeric_limits<double>::epsilon() * std::sqrt(all);
 }
 
 Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda) {
@@ -152,9 +152,16 @@ Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems
   result.scales = {continuity.largest, std::max(model.loads.largest, reactions.largest)};
   result.ext = std::max(model.loads.norm, reactions.norm);
   result.errors = measureContact(model.law, lambda, s, result.scales);
-  result.errors.equilibrium = ratio(std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0)), result.ext);
+  const double imbalance = std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0));
+  result.errors.equilibrium = ratio(imbalance, result.ext);
   result.errors.continuity = ratio(std::max(continuity.difference, measureTied(model.jump.multipliers(), s)), continuity.largest);
-  result.floor = roundOffFloor(systems, model.jump.primalOffsets(), u, result.ext);
+  const double roundOff = roundOffForce(systems, model.jump.primalOffsets(), u);
+  result.floor = ratio(roundOff, result.ext);
+  const double contact = contactForceScale(model.law, lambda, 0);
+  if (isWithoutForce(model.loads, std::max({result.ext, imbalance, contact}), roundOff)) {  // no force: nothing to compare with
+    KktErrors& e = result.errors;
+    e.equilibrium = e.compression = e.complementarity = e.cone = e.slipLaw = result.floor = 0;
+  }
   if (!residual.empty()) result.residualBody = int(std::max_element(residual.begin(), residual.end()) - residual.begin());
   result.differenceNode = continuity.node;
   return result;

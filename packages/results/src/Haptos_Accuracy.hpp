@@ -48,9 +48,16 @@ struct AccuracyInput {
   LoadScales loads;
 };
 
-/// \brief eps || |K| |u| || / ext, up to the change of u between neighbours: no smaller equilibrium can be expected.  Collective.
+/// \brief eps || |K| |u| || [force], up to the change of u between neighbours: no smaller residual can be expected.  Collective.
 /// \param offsets [local subdomains + 1] in the primal map
-double roundOffFloor(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u, double ext);
+double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u);
+
+/// \brief Whether no load acts and prescribed displacements cause no more than round-off: a motion without stress.
+/// \param force largest of what is asked [force], \param roundOff see `roundOffForce`
+inline bool isWithoutForce(const LoadScales& loads, double force, double roundOff) {
+  constexpr double kNoise = 1e3;  // sums over copies and coarse solves
+  return loads.norm == 0 && force <= kNoise * roundOff;
+}
 
 /// Collective.
 Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda);

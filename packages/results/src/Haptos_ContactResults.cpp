@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "Haptos_Exchange.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 namespace {
@@ -22,9 +23,9 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
   for (int d = 0; d < 3; ++d) {
     result.tangentialForce[d] = -(l[1] * geometry.frame.t1[d] + l[2] * geometry.frame.t2[d]);
     result.force[d] = result.tangentialForce[d] - l[0] * geometry.frame.normal[d];
-    result.slip[d] = s[1] * geometry.frame.t1[d] + s[2] * geometry.frame.t2[d];
   }
   result.axis = geometry.frame.t1;
+  result.normal = geometry.frame.normal;
   result.normalForce = l[0];
   result.pressure = l[0] / geometry.area;
   result.gap = -s[0];
@@ -32,7 +33,87 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
   return result;
 }
 
+// lambda of a row that ties one component of a pair, which the order of the rows tells.
+struct TiedForce {
+  GlobalOrdinal row;
+  std::int64_t node;  // secondary
+  int component;
+  double value;
+};
+
+// What the ranks have, on rank 0.  Collective.
+template <class Item>
+std::vector<Item> allOnRoot(const Communicator& comm, const std::vector<Item>& mine) {
+  ByteWriter writer;
+  writer.write(mine);
+  std::vector<Item> all;
+  for (const auto& message : gatherOnRoot(comm, writer.take())) {
+    const auto part = ByteReader(message).readVector<Item>();
+    all.insert(all.end(), part.begin(), part.end());
+  }
+  return all;
+}
+
+std::vector<TiedForce> gatherTiedForces(const MultiplierMap& multipliers, const Vector& lambda) {
+  const auto l = lambda.getData(0);
+  std::vector<TiedForce> mine;
+  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row) {
+    if (multipliers.kinds()[row] != RowKind::Tied) continue;
+    const RowEntry& entry = multipliers.ownedEntries()[multipliers.ownedOffsets()[row]];
+    mine.push_back({multipliers.map()->getGlobalElement(int(row)), multipliers.nodes()[row], entry.dof % 3, l[row]});
+  }
+  auto all = allOnRoot(*multipliers.map()->getComm(), mine);
+  std::sort(all.begin(), all.end(), [](const TiedForce& a, const TiedForce& b) { return a.row < b.row; });
+  return all;
+}
+
+PairResult describeTied(const ContactPair& geometry, const std::array<double, 3>& force) {
+  PairResult result{};
+  result.secondaryNode = geometry.secondaryNode;
+  result.primaryNode = geometry.primaryNode;
+  result.force = force;
+  result.axis = geometry.frame.t1;
+  result.normal = geometry.frame.normal;
+  result.normalForce = -Vec3::dot(force, result.normal);
+  for (int d = 0; d < 3; ++d) result.tangentialForce[d] = force[d] + result.normalForce * result.normal[d];
+  result.pressure = result.normalForce / geometry.area;
+  result.gap = geometry.gap;
+  result.status = ContactStatus::Stick;
+  return result;
+}
+
 }  // namespace
+
+std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const std::vector<ContactInterface>& interfaces,
+                                          const Vector& lambda) {
+  const auto forces = gatherTiedForces(multipliers, lambda);
+  auto next = forces.begin();
+  std::vector<PairResult> results;
+  for (std::size_t k = 0; k < interfaces.size(); ++k)
+    for (std::size_t i = 0; i < interfaces[k].pairs.size() && interfaces[k].tied; ++i) {
+      const ContactPair& pair = interfaces[k].pairs[i];
+      std::array<double, 3> force{0, 0, 0};
+      for (int d = 0; d < 3; ++d)
+        if (next != forces.end() && next->node == pair.secondaryNode && next->component == d) force[d] = -(next++)->value;
+      results.push_back(describeTied(pair, force));
+      results.back().interface = int(k);
+      results.back().pair = int(i);
+    }
+  return results;
+}
+
+void setSlip(const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
+  const auto at = [&](std::int64_t node) -> std::array<double, 3> {
+    if (node < 0) return {0, 0, 0};  // a rigid plane
+    const double* u = displacement.data() + 3 * node;
+    return {u[0], u[1], u[2]};
+  };
+  for (PairResult& pair : pairs) {
+    const auto jump = Vec3::subtract(at(pair.secondaryNode), at(pair.primaryNode));
+    const double opening = Vec3::dot(jump, pair.normal);
+    for (int d = 0; d < 3; ++d) pair.slip[d] = jump[d] - opening * pair.normal[d];
+  }
+}
 
 std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
                                              const Vector& s, double forceScale) {
@@ -41,13 +122,7 @@ std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, c
   for (std::size_t i = 0; i < law.pairs().size(); ++i)
     mine.push_back(describePair(multipliers.pairs()[i], law.pairs()[i], ContactLaw::gather(law.pairs()[i], l.getRawPtr()),
                                 ContactLaw::gather(law.pairs()[i], jump.getRawPtr()), 1e-9 * forceScale));
-  ByteWriter writer;
-  writer.write(mine);
-  std::vector<PairResult> all;
-  for (const auto& message : gatherOnRoot(*multipliers.map()->getComm(), writer.take())) {
-    const auto part = ByteReader(message).readVector<PairResult>();
-    all.insert(all.end(), part.begin(), part.end());
-  }
+  auto all = allOnRoot(*multipliers.map()->getComm(), mine);
   std::sort(all.begin(), all.end(), [](const PairResult& a, const PairResult& b) {
     return a.interface != b.interface ? a.interface < b.interface : a.pair < b.pair;
   });

@@ -21,14 +21,28 @@ struct PairResult {
   double pressure;             ///< lambda_N / tributary area
   double gap;                  ///< d - N u: the opening that is left
   std::array<double, 3> slip;  ///< tangential part of u_secondary - u_primary
-  std::array<double, 3> axis;  ///< t1
-  ContactStatus status;
+  std::array<double, 3> axis;    ///< t1
+  std::array<double, 3> normal;  ///< n, out of the secondary surface
+  ContactStatus status;          ///< Stick for tied pairs
 };
 
-/// \brief The pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.
+/// \brief The contact pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.
+///
+/// Slip is left to `setSlip`.
 /// \param s B u - c on the dual map, \param forceScale l_ref: below 1e-9 of it a pair counts as open.
 std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
                                              const Vector& s, double forceScale);
+
+/// \brief The tied pairs of all ranks in the same way; a normal force < 0 pulls.  Slip is left to `setSlip`.  Collective.
+///
+/// A component that is prescribed on both sides has no row, and no force here.
+/// \param interfaces on rank 0
+std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const std::vector<ContactInterface>& interfaces,
+                                          const Vector& lambda);
+
+/// \brief Tangential part of u_secondary - u_primary for all pairs, also those without tangential rows.
+/// \param displacement [3 x mesh nodes], mean of the copies
+void setSlip(const std::vector<double>& displacement, std::vector<PairResult>& pairs);
 
 /// \brief Sums over one interface.
 struct InterfaceResult {

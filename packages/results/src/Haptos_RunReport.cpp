@@ -11,7 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json headerJson(const RunReport& report) { return {{"version", report.version}, {"ranks", report.ranks}}; }
+Json headerJson(const RunReport& report) { return {{"version", report.version}, {"ranks", report.ranks}, {"title", report.title}}; }
 
 Json modelBlock(const ModelReport& model) {
   return {{"bodies", model.bodies},
@@ -135,6 +135,9 @@ Json communicationBlock(const RunReport& report) {
   return block;
 }
 
+// Names come from files as they are: what is not UTF-8 in them is replaced, not thrown.
+std::string textOf(const Json& json) { return json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
 }  // namespace
 
 std::string modelText(const ModelReport& model) {
@@ -147,7 +150,7 @@ std::string modelText(const ModelReport& model) {
 }
 
 std::string modelJson(const RunReport& report) {
-  return Json{{"haptos", headerJson(report)}, {"model", modelBlock(report.model)}}.dump(2) + "\n";
+  return textOf({{"haptos", headerJson(report)}, {"model", modelBlock(report.model)}});
 }
 
 std::string summaryJson(const RunReport& report) {
@@ -160,7 +163,7 @@ std::string summaryJson(const RunReport& report) {
                   {"memory", {{"peak_rss_mb", report.peakMemoryMb}}},
                   {"coarse", coarseBlock(report.coarse)}};
   if (report.communication.isCounted) summary["communication"] = communicationBlock(report);
-  return summary.dump(2) + "\n";
+  return textOf(summary);
 }
 
 void writeTextFile(const std::string& path, const std::string& text) {

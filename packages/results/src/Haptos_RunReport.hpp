@@ -13,7 +13,7 @@ namespace Haptos {
 struct ModelReport {
   int bodies = 0;
   int subdomains = 0;
-  int congruenceClasses = 0;
+  int congruenceClasses = 0;    ///< factors, over all ranks
   int explicitSubdomains = 0;   ///< whose F and S are dense matrices
   double explicitMemoryMb = 0;  ///< of those, over all ranks
   long primalUnknowns = 0;   ///< n
@@ -78,7 +78,7 @@ struct JumpReport {
 
 /// \brief Everything that the summary says.
 struct RunReport {
-  std::string version;
+  std::string version, title;  ///< title: of the input
   int ranks = 1;
   ModelReport model;
   SolverReport solver;

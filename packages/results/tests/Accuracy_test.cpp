@@ -175,3 +175,17 @@ TEUCHOS_UNIT_TEST(ContactResults, ForcesBalanceAndStatesAreCounted) {
   TEST_EQUALITY(sums[0].stick, long(pairs.size()));
   TEST_EQUALITY(sums[0].open + sums[0].slip, 0L);
 }
+
+TEUCHOS_UNIT_TEST(ContactResults, SlipIsTheTangentialJump) {
+  std::vector<PairResult> pairs(2);
+  pairs[0].secondaryNode = 1;
+  pairs[0].primaryNode = 0;
+  pairs[0].normal = {0, 0.6, 0.8};
+  pairs[1].secondaryNode = 0;
+  pairs[1].primaryNode = -1;  // a rigid plane does not move
+  pairs[1].normal = {1, 0, 0};
+  setSlip({3, 4, 5, 1, 7, 8}, pairs);
+  const double slip[2][3] = {{-2, 3 - 0.6 * 4.2, 3 - 0.8 * 4.2}, {0, 4, 5}};
+  for (int i = 0; i < 2; ++i)
+    for (int d = 0; d < 3; ++d) TEST_ASSERT(std::abs(pairs[std::size_t(i)].slip[d] - slip[i][d]) < 1e-14);
+}

@@ -108,4 +108,18 @@ std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const M
   return loads;
 }
 
+void requireLoadedSides(const std::vector<Load>& loads, const Mesh& mesh) {
+  for (const Load& load : loads) {
+    for (int i : load.sideSets) {
+      const SideSet& set = mesh.sideSets[std::size_t(i)];
+      if (set.sides.empty()) throw InputError(load.name + "->Sets: the side set " + std::to_string(set.id) + " '" + set.name + "' has no sides");
+    }
+    for (int i : load.blocks) {
+      const ElementBlock& block = mesh.blocks[std::size_t(i)];
+      if (block.numElements() == 0)
+        throw InputError(load.name + "->Element Blocks: the block " + std::to_string(block.id) + " '" + block.name + "' has no elements");
+    }
+  }
+}
+
 }  // namespace Haptos

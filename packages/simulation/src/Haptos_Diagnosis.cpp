@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Diagnosis.hpp"
 
+#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -12,18 +13,26 @@ namespace {
 
 bool isRoundOff(const Accuracy& accuracy) { return accuracy.floor > 0.1 * accuracy.errors.kkt(); }
 
+// The file's number of a node, which rank 0 knows.  Collective.
+std::string numberOf(const DistributedModel& model, std::int64_t node) {
+  long long number = 0;
+  if (model.comm->getRank() == 0 && node >= 0) number = model.global.mesh.nodeNumbers[std::size_t(node)];
+  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(number));
+  return std::to_string(number);
+}
+
 // Where the largest error is: a node of an interface, a node, or a body.
 std::string place(const UnconvergedRun& run, const std::string& measure) {
   const FetiSystem& system = run.system;
   const ModelData& data = system.model().data;
   if (measure == "equilibrium")
     return run.accuracy.residualBody < 0 ? "" : " in body '" + data.bodyNames[std::size_t(run.accuracy.residualBody)] + "'";
-  if (measure == "continuity") return " at node " + std::to_string(run.accuracy.differenceNode + 1);
+  if (measure == "continuity") return " at node " + numberOf(system.model(), run.accuracy.differenceNode);
   Vector s(system.c(), Teuchos::Copy);
   system.jump().apply(run.u, s, Teuchos::NO_TRANS, 1.0, -1.0);
   const auto worst = findWorstPair(system.law(), system.jump().multipliers(), *run.solver.solution().lambda, s, run.accuracy.scales);
   if (worst.interface < 0) return "";
-  return " at node " + std::to_string(worst.node + 1) + " of interface '" + data.interfaceNames[std::size_t(worst.interface)] + "'";
+  return " at node " + numberOf(system.model(), worst.node) + " of interface '" + data.interfaceNames[std::size_t(worst.interface)] + "'";
 }
 
 // What about the friction of an interface makes it hard; empty for the usual.

@@ -140,7 +140,7 @@ void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), method);
   const double mayUse = 0.5 * physicalMemoryBytes() / double(model_.comm->getSize());  // as if all ranks shared one machine
   systems_->factor(model_.subdomains, *jump_, method, dual, mayUse, [&](int) {
-    if (kind_ && !capped) surface.add(*systems_, model_.subdomains);
+    if (kind_ && !capped) surface.add(*systems_, model_.subdomains, *jump_);
   });
   if (!kind_) return;
   findSlender();
@@ -156,7 +156,7 @@ RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, boo
   if (dense) systems->condenseLike(*systems_, model_.subdomains);
   else systems->findClasses();
   for (int c = 0; c < systems->numClasses(); ++c) {
-    surface.add(*systems, model_.subdomains);
+    surface.add(*systems, model_.subdomains, *jump_);
     systems->releaseStiffness(c);
   }
   return systems;

@@ -15,7 +15,8 @@ void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
   for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(uRef_));
   const double ext = std::max(loads_.norm, measureReactions(system_.jump().multipliers(), lambda).norm);
-  floor_ = roundOffFloor(system_.systems(), system_.jump().primalOffsets(), *u, ext);
+  roundOff_ = roundOffForce(system_.systems(), system_.jump().primalOffsets(), *u);
+  floor_ = ext > 0 ? roundOff_ / ext : 0.0;
 }
 
 KktEstimator::Sizes KktEstimator::measureSizes(const Vector& lambda, const Vector& s) const {
@@ -34,12 +35,13 @@ double KktEstimator::measureEquilibrium(const Vector& lambda) const {
   mine << part, localReactions(system_.jump().multipliers(), lambda).squares;
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
   const double ext = std::max(loads_.norm, std::sqrt(all[part.size()]));
-  return ext > 0 ? (all.head(part.size()) - system_.dual().e).norm() / ext : 0.0;
+  return ext > 0 && !isWithoutForce_ ? (all.head(part.size()) - system_.dual().e).norm() / ext : 0.0;
 }
 
 // All but equilibrium.  Collective: one reduction.
 double KktEstimator::errorsAt(double uRef, const Vector& lambda, const Vector& s, double jump) const {
   KktErrors errors = measureContact(system_.law(), lambda, s, uRef, contactForce_);
+  if (isWithoutForce_) errors.compression = errors.complementarity = errors.cone = errors.slipLaw = 0;
   // An orthonormal row of two copies is their difference over sqrt(2).
   errors.continuity = uRef > 0 ? std::sqrt(2.0) * jump / uRef : (jump > 0 ? 1.0 : 0.0);
   return errors.kkt();
@@ -55,6 +57,7 @@ double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tole
   constexpr double kShrunk = 0.25;
   if (uRef_ < 0) renewScale(lambda, s);
   const Sizes sizes = measureSizes(lambda, s);
+  isWithoutForce_ = isWithoutForce(loads_, std::max(sizes.contactForce, sizes.reaction), roundOff_);
   contactForce_ = contactForceScale(sizes.contactForce, std::max(loads_.largest, sizes.reaction));
   kkt_ = errorsAt(uRef_, lambda, s, sizes.jump);
   if (isBalanced_ && kkt_ > std::max(tolerance, hidden())) return kkt_;

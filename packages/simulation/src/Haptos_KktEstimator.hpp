@@ -40,8 +40,8 @@ class KktEstimator {
 
   const FetiSystem& system_;
   const LoadScales& loads_;
-  bool isBalanced_;
-  double uRef_ = -1, floor_ = 0, kkt_ = 0, contactForce_ = 0;
+  bool isBalanced_, isWithoutForce_ = false;
+  double uRef_ = -1, roundOff_ = 0, floor_ = 0, kkt_ = 0, contactForce_ = 0;
 };
 
 }  // namespace Haptos

@@ -4,6 +4,7 @@
 #include <Teuchos_Array.hpp>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_DualGraph.hpp"
@@ -25,16 +26,18 @@ std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, st
   for (auto it = list.begin(); it != list.end(); ++it) {
     const auto& material = list.sublist(it->first);
     const std::string path = "Materials->" + it->first + "->Element Blocks";
+    const int own = int(materials.size());
+    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
     for (const auto& name : material.get<Names>("Element Blocks")) {
       const int block = findBlock(mesh, name);
       if (block < 0)
         throw InputError(path + ": the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
+      if (materialOfBlock[block] == own) throw InputError(path + ": names block '" + name + "' twice, by its name or number; once is enough");
       if (materialOfBlock[block] >= 0)
         throw InputError(path + ": block '" + name + "' already has the material '" + materials[materialOfBlock[block]].name +
                          "'; a block takes one material");
-      materialOfBlock[block] = int(materials.size());
+      materialOfBlock[block] = own;
     }
-    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
   }
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
     if (materialOfBlock[b] < 0 && mesh.blocks[b].numElements() > 0)
@@ -73,7 +76,7 @@ ContactSpec contactSpec(const std::string& name, const ParameterList& list) {
   if (list.isParameter("Primary Side Set")) spec.primarySideSet = list.get<std::string>("Primary Side Set");
   if (list.isSublist("Rigid Plane"))
     spec.rigidPlane = RigidPlane{threeOf(list.sublist("Rigid Plane"), "Point"), threeOf(list.sublist("Rigid Plane"), "Normal")};
-  spec.matchingTolerance = std::min(0.25, list.get<double>("Matching Tolerance"));
+  spec.matchingTolerance = list.get<double>("Matching Tolerance");
   spec.tied = list.sublist("Friction").get<std::string>("Law") == "Tied";
   spec.principalDirection = threeOf(list.sublist("Friction"), "Principal Direction");
   return spec;
@@ -102,8 +105,7 @@ void checkElements(const Mesh& mesh) {
     group.topology = block.topology;
     group.blockName = blockLabel(block);
     group.connectivity.assign(block.connectivity.begin(), block.connectivity.end());
-    if (mesh.elementNumbers.size() == mesh.numElements())
-      group.elementNumbers.assign(mesh.elementNumbers.begin() + first, mesh.elementNumbers.begin() + first + group.numElements());
+    group.elementNumbers.assign(mesh.elementNumbers.begin() + first, mesh.elementNumbers.begin() + first + group.numElements());
     first += group.numElements();
     for (int e = 0; e < group.numElements(); ++e) {
       if (block.topology == Topology::Hex8) elementGradients<Hex8Shape>(mesh.coordinates, group, e);
@@ -168,6 +170,13 @@ void checkPinnedRows(const GlobalModel& model, const ModelData& data) {
     }
 }
 
+// Messages name nodes and elements by their numbers, which a mesh in memory need not have.
+void numberFromOne(std::vector<std::int64_t>& numbers, std::size_t count) {
+  if (numbers.size() == count) return;
+  numbers.resize(count);
+  std::iota(numbers.begin(), numbers.end(), std::int64_t(1));
+}
+
 }  // namespace
 
 SourceMesh makeMesh(const ParameterList& parameters) {
@@ -188,10 +197,14 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   ModelDraft draft;
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
+  if (const auto& title = parameters.get<std::string>("Title"); !title.empty()) model.mesh.title = title;
+  numberFromOne(model.mesh.nodeNumbers, model.mesh.numNodes());
+  numberFromOne(model.mesh.elementNumbers, model.mesh.numElements());
   draft.materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
   chooseFormulation(draft.materialOfBlock, model.mesh, data);
   model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
   data.loads = collectLoads(parameters.sublist("Boundary Conditions"), model.mesh);
+  requireLoadedSides(data.loads, model.mesh);
   readContact(parameters.sublist("Contact"), data, model);
 
   draft.graph = buildDualGraph(model.mesh);

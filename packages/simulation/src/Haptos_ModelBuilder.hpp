@@ -83,4 +83,7 @@ std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::Paramete
 /// \brief Pressures, tractions and body forces; serial.  \throws InputError for a missing set or block.
 std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const Mesh& mesh);
 
+/// \brief Where the mesh has them: a load on nothing would be none.  Serial.  \throws InputError naming the set or block.
+void requireLoadedSides(const std::vector<Load>& loads, const Mesh& mesh);
+
 }  // namespace Haptos

@@ -9,6 +9,8 @@
 namespace Haptos {
 namespace {
 
+constexpr double kNothing = 1e-13;  // of what is projected: rigid motions alone, and their round-off
+
 // P M P: keeps the iterates in Ker G.
 class ProjectedPreconditioner final : public Operator {
  public:
@@ -34,6 +36,7 @@ PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
   dual.F->apply(*dual.lambdaIm, r, Teuchos::NO_TRANS, -1.0, 1.0);
   b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
   dual.P->apply(r, *b_);
+  if (b_->getVector(0)->norm2() <= kNothing * r.norm2()) b_->putScalar(0.0);
   x_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
   if (context_.system.hasSlenderSubdomains()) deflated_ = context_.system.makeDeflated();
 }

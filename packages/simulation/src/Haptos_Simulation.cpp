@@ -10,6 +10,7 @@
 #include "Haptos_Diagnosis.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_ParameterValidation.hpp"
 #include "Haptos_PcpgSolver.hpp"
 #include "Haptos_SmalseContactSolver.hpp"
 #include "Haptos_SubspaceNewtonSolver.hpp"
@@ -88,6 +89,22 @@ JumpReport measureJump(const JumpOperator& B, const Communicator& comm) {
           gatherCommunication(comm, B.transposed().sent)};
 }
 
+// Before the work, not after it.  Serial.
+void requireFilesForResults(const ParameterList& parameters) {
+  const auto& output = parameters.sublist("Output");
+  const auto& mesh = parameters.sublist("Mesh");
+  std::vector<std::pair<std::string, std::string>> taken;
+  if (mesh.isParameter("File")) taken.emplace_back("Mesh->File", mesh.get<std::string>("File"));
+  for (const char* name : {"File", "Summary"}) {
+    const auto file = output.get<std::string>(name);
+    if (file.empty()) continue;
+    const std::string what = std::string("Output->") + name;
+    requireWritableFolder(file, what);
+    for (const auto& [otherWhat, other] : taken) requireOtherFile(what, file, otherWhat, other);
+    taken.emplace_back(what, file);
+  }
+}
+
 // Known before the work starts, so said before it.
 void requireFittingMethod(const ParameterList& parameters, long pairs) {
   const auto method = parameters.sublist("Solver").get<std::string>("Method");
@@ -113,12 +130,7 @@ void Simulation::tell(const std::string& text) const {
 }
 
 void Simulation::prepare() {
-  const auto& output = parameters_.sublist("Output");
-  runOnRoot(*comm_, [&] {  // before the work, not after it
-    for (const char* name : {"File", "Summary"})
-      if (!output.get<std::string>(name).empty())
-        requireWritableFolder(output.get<std::string>(name), std::string("Output->") + name);
-  });
+  runOnRoot(*comm_, [&] { requireFilesForResults(parameters_); });
   model_ = std::make_unique<DistributedModel>(distributeModel(comm_, parameters_, source_, clock_));
   requireFittingMethod(parameters_, long(model_->multipliers->numPairs()));
   model_->nodalForces = nodalForces_;
@@ -140,6 +152,7 @@ void Simulation::describeModel() {
   const MultiplierMap& multipliers = *model_->multipliers;
   report_.version = versionNumber();
   report_.ranks = comm_->getSize();
+  report_.title = parameters_.get<std::string>("Title");
   report_.tolerance = parameters_.sublist("Solver").get<double>("Relative Tolerance");
   ModelReport& m = report_.model;
   m.bodies = int(model_->data.bodyNames.size());
@@ -166,13 +179,13 @@ void Simulation::describeModel() {
 void Simulation::describeLocalSystems() {
   const LocalSystems& systems = system_->systems();
   ModelReport& m = report_.model;
-  m.congruenceClasses = systems.numClasses();
   m.localSolver = systems.size() > 0 ? systems.methodName() : "";
-  const double mine[2] = {double(systems.numCondensed()), systems.denseBytes() / (1 << 20)};
-  double all[2];
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, 2, mine, all);
+  const double mine[3] = {double(systems.numCondensed()), systems.denseBytes() / (1 << 20), double(systems.numClasses())};
+  double all[3];
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, 3, mine, all);
   m.explicitSubdomains = int(all[0]);
   m.explicitMemoryMb = all[1];
+  m.congruenceClasses = int(all[2]);
 }
 
 std::unique_ptr<ContactSolver> Simulation::makeSolver() {
@@ -180,6 +193,7 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
   std::string method = list.get<std::string>("Method");
   const bool contact = model_->multipliers->numPairs() > 0;
   if (method == "Automatic" && !contact) method = "PCPG";
+  if (method == "Automatic" && system_->preconditioner().is_null()) method = "SMALSE";  // the one that needs none
   SolverContext context{*system_, loads_, [this](const HistoryEntry& entry) {
     if (progress_)
       progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
@@ -244,7 +258,7 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   s.outerIterations = solver.outerIterations();
   s.hessianMultiplications = system_->dual().F->applications();
   s.preconditionerApplications = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->applications();
-  s.coarseSolves = system_->dual().GGT->solves();
+  s.coarseSolves = system_->dual().GGT->placement()->costs().solves;
   s.history = solver.history();
   s.subspace = solver.subspace();
   s.deflation = solver.deflation();
@@ -261,8 +275,11 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   system_->jump().apply(u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
   const double forceScale = contactForceScale(system_->law(), *result.dual.lambda, accuracy.scales.load);
   result.pairs = gatherContactResults(*model_->multipliers, system_->law(), *result.dual.lambda, jump, forceScale);
-  report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
+  const auto tied = gatherTiedResults(*model_->multipliers, model_->global.interfaces, *result.dual.lambda);
+  result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
   result.displacement = gather_->copies(u).mean;
+  setSlip(result.displacement, result.pairs);
+  report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, system_->jump().primalOffsets(), u,
                                          model_->global.mesh.numElements());
   result.report = report_;

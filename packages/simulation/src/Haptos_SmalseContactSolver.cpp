@@ -54,13 +54,12 @@ RCP<MultiVector> gapMultiplier(const FetiSystem& system) {
   return multiplier;
 }
 
-RCP<Teuchos::ParameterList> managerParameters(const Teuchos::ParameterList& user, const Manager& manager) {
+RCP<Teuchos::ParameterList> managerParameters(const Teuchos::ParameterList& user) {
   const std::pair<const char*, const char*> names[] = {
       {"Rho Factor", "Rho Factor"}, {"M Factor", "M0"}, {"M Floor", "M Floor"}, {"Beta", "Beta"},
-      {"Eta Factor", "Eta0"}, {"Gamma", "Gamma"}, {"Step Length", "Step Length"}};
+      {"Eta Factor", "Eta0"}, {"Gamma", "Gamma"}, {"Step Length", "Alpha Factor"}};
   auto list = Teuchos::parameterList();
-  for (const auto& [theirs, ours] : names)
-    if (manager.getValidParameters()->isParameter(ours)) list->set(ours, user.get<double>(theirs));
+  for (const auto& [theirs, ours] : names) list->set(ours, user.get<double>(theirs));
   return list;
 }
 
@@ -85,7 +84,6 @@ struct SmalseContactSolver::Impl {
   std::unique_ptr<CoulombFixedPoint> fixedPoint;
   RCP<FetiProgram> program;
   Manager manager;
-  long multiplicationsAtStart = 0;
   double tolerance = 0;
 };
 
@@ -93,14 +91,13 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::P
     : context_(std::move(context)), impl_(std::make_unique<Impl>(context_)) {
   const FetiSystem& system = context_.system;
   const DualProblem& dual = system.dual();
-  impl_->multiplicationsAtStart = dual.F->applications();
   const Vector& first = start.is_null() ? *dual.lambdaIm : *start;
   impl_->x = Teuchos::rcp(new MultiVector(first, Teuchos::Copy));
   impl_->fixedPoint = std::make_unique<CoulombFixedPoint>(dual.map(), system.law(), system.jump().multipliers(), first);
   impl_->program = Teuchos::rcp(new FetiProgram(dual, impl_->x, rightHandSide(dual), impl_->fixedPoint->set()));
   impl_->manager.setProblem(impl_->program);
   impl_->manager.setMultiplier(gapMultiplier(system));
-  impl_->manager.setParameters(managerParameters(parameters, impl_->manager));
+  impl_->manager.setParameters(managerParameters(parameters));
   impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
   impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });
   impl_->manager.setObserver([this](const SmalseRecord&) { record(impl_->estimator.kkt()); });
@@ -113,9 +110,10 @@ int SmalseContactSolver::outerIterations() const { return int(impl_->manager.his
 bool SmalseContactSolver::solve(const SolveRequest& request) {
   const DualProblem& dual = context_.system.dual();
   impl_->tolerance = request.tolerance;
+  const long others = dual.F->applications() - impl_->manager.counts().hessianApplications;  // a request counts those of the whole run
   auto list = Teuchos::parameterList(*impl_->manager.getCurrentParameters());
   list->set("Convergence Tolerance", request.tolerance);
-  list->set("Maximum Hessian Multiplications", int(std::max(1L, request.maximumMultiplications - impl_->multiplicationsAtStart)));
+  list->set("Maximum Hessian Multiplications", int(std::max(1L, request.maximumMultiplications - others)));
   impl_->manager.setParameters(list);
   const bool passed = impl_->manager.solve() == Belos::Converged;
   reason_ = impl_->manager.reason();
@@ -123,7 +121,7 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
   solution_.lambda = Teuchos::rcp(new Vector(*impl_->x->getVector(0), Teuchos::Copy));
   solution_.s = Teuchos::rcp(new Vector(*impl_->manager.gradient()->getVector(0), Teuchos::Copy));
   solution_.s->scale(-1.0);  // s = B u - c = h - F lambda + G^T a is minus the gradient of the Lagrangian
-  return passed && dual.F->applications() <= request.maximumMultiplications;
+  return passed;
 }
 
 double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {
