@@ -134,7 +134,11 @@ void prepareHeap() {
 int main(int argc, char* argv[]) {
   useOneThread();
   prepareHeap();
-  Tpetra::ScopeGuard mpi(&argc, &argv);
+  // Kokkos would answer --help before us.
+  char* programAlone[] = {argv[0], nullptr};
+  char** arguments = programAlone;
+  int count = 1;
+  Tpetra::ScopeGuard mpi(&count, &arguments);
   countMpiCalls();
   const auto comm = Tpetra::getDefaultComm();
   const auto report = [&](const char* kind, const std::exception& e) {

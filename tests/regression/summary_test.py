@@ -50,8 +50,10 @@ class Summary(SceneTest):
 
     def test_every_key(self):
         for ranks in (1, 3):
-            summary = self.solve(stack(), ranks=ranks)
+            summary = self.solve(stack(Title="two cubes"), ranks=ranks)
             self.assert_keys(summary, KEYS)
+            self.assertEqual(summary["haptos"]["title"], "two cubes")
+            self.assertGreaterEqual(summary["model"]["congruence_classes"], 1)
             self.assertEqual(summary["haptos"]["ranks"], ranks)
             self.assertEqual(len(summary["memory"]["peak_rss_mb"]), ranks)
             sent = summary["communication"]

@@ -160,6 +160,9 @@ class WrongConditions(WrongInput):
         for expression in ("2*(x", "q*x", "x +* y", "sin()"):
             self.refuse(self.with_press(expression), "Boundary Conditions->press->Value", expression)
 
+    def test_expression_is_too_long(self):
+        self.refuse(self.with_press("x+" * 6000 + "x"), "Boundary Conditions->press->Value", "12001 characters", "10000")
+
     def test_expression_gives_nan(self):
         self.refuse(self.with_press("sqrt(x - 5)"), "Boundary Conditions->press->Value", "sqrt(x - 5)")
 

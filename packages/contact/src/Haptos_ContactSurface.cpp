@@ -192,14 +192,6 @@ void setTurns(ContactSurface& surface) {
 
 }  // namespace
 
-std::string describeNode(const Mesh& mesh, std::int64_t node) {
-  const auto& x = mesh.coordinates[std::size_t(node)];
-  std::ostringstream text;
-  text << "node " << (mesh.nodeNumbers.empty() ? node + 1 : mesh.nodeNumbers[std::size_t(node)]) << " ("
-       << x[0] << ", " << x[1] << ", " << x[2] << ")";
-  return text.str();
-}
-
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {
   const int position = findSideSet(mesh, sideSet);
   HAPTOS_REFUSE_IF(position < 0,

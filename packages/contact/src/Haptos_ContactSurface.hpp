@@ -38,7 +38,5 @@ struct ContactSurface {
 ///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 
-/// \brief "node 17 (0.5, 0.25, 0)": the file's number and the place of a node, for messages.
-std::string describeNode(const Mesh& mesh, std::int64_t node);
 
 }  // namespace Haptos

@@ -32,12 +32,15 @@ void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
   throw CollectiveError(error.message);
 }
 
-void throwOnAllRanks(const Communicator& comm, const std::string& message) {
-  const int mine = message.empty() ? comm.getSize() : comm.getRank();
+void throwOnAllRanks(const Communicator& comm, const CaughtError& error) {
+  const int mine = error.kind == 0 ? comm.getSize() : comm.getRank();
   int first = 0;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(first));
-  if (first == comm.getSize()) return;
-  broadcastAndThrow(comm, {1, message}, first);
+  if (first < comm.getSize()) broadcastAndThrow(comm, error, first);
+}
+
+void throwOnAllRanks(const Communicator& comm, const std::string& message) {
+  throwOnAllRanks(comm, CaughtError{message.empty() ? 0 : 1, message});
 }
 
 }  // namespace Haptos

@@ -50,6 +50,21 @@ CaughtError describeCurrentException();
 /// \brief Broadcasts `error` from `root`; if its kind is not 0 every rank throws it.  Collective.
 void broadcastAndThrow(const Communicator& comm, CaughtError error, int root);
 
+/// \brief Throws on every rank what the lowest rank with an `error` (kind not 0) has.  Collective.
+void throwOnAllRanks(const Communicator& comm, const CaughtError& error);
+
+/// \brief Runs `work`, which does not communicate, on all ranks; what it throws on any of them all throw.  Collective.
+template <class Work>
+void runOnAllRanks(const Communicator& comm, Work&& work) {
+  CaughtError error;
+  try {
+    work();
+  } catch (...) {
+    error = describeCurrentException();
+  }
+  throwOnAllRanks(comm, error);
+}
+
 /// \brief Runs `work` on rank `root` only and rethrows there and everywhere what it threw.  Collective.
 ///
 /// `InputError` and `InsufficientModel` keep their type; any other exception becomes a

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 
 namespace Haptos {
 namespace {
@@ -155,7 +156,7 @@ class RowBuilder {
     const auto* p = findPrescribed(pair.secondaryNode, component);
     if (std::abs(c) > kRoundOff * (p ? std::abs(p->value) : 0.0))
       throw InsufficientModel("The model has no solution: the displacements prescribed on both sides of contact '" + interface.name +
-                              "' part a tied pair by " + std::to_string(std::abs(c)) + " along " + "xyz"[component] + ".");
+                              "' part a tied pair by " + formatted("%g", std::abs(c)) + " along " + "xyz"[component] + ".");
   }
 
   ConstraintRows rows;
@@ -192,7 +193,6 @@ class RowBuilder {
 void addTiedRows(RowBuilder& builder, const std::vector<ContactInterface>& interfaces) {
   for (const auto& interface : interfaces) {
     if (!interface.tied) continue;
-    builder.rows.numTied += GlobalOrdinal(interface.pairs.size());
     for (const auto& pair : interface.pairs)
       for (int component = 0; component < 3; ++component) builder.addTied(interface, pair, component);
   }

@@ -57,7 +57,6 @@ struct ConstraintRows {
   std::vector<std::int64_t> node;       ///< [numRows] mesh node (the secondary one on contact rows)
   std::vector<PairRows> pairs;
   GlobalOrdinal numEquality = 0;        ///< m: gluing, Dirichlet and tied rows
-  GlobalOrdinal numTied = 0;            ///< pairs of tied interfaces
 
   GlobalOrdinal numRows() const { return GlobalOrdinal(kinds.size()); }
 };

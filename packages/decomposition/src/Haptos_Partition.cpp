@@ -135,12 +135,12 @@ std::vector<PieceToCut> piecesToCut(const Mesh& mesh, const DualGraph& graph, co
 }
 
 // Parts of all pieces, one piece after the other.
-std::vector<int> numberParts(const BodyPieces& pieces, const std::vector<PieceToCut>& cuts, const std::vector<std::vector<int>>& partsOfPieces) {
+std::vector<int> numberParts(const BodyPieces& pieces, const std::vector<std::vector<int>>& partsOfPieces) {
   std::vector<int> part(pieces.ofElement.size());
   int first = 0;
   for (int p = 0; p < pieces.count; ++p) {
     for (std::size_t i = 0; i < pieces.elements[p].size(); ++i) part[std::size_t(pieces.elements[p][i])] = first + partsOfPieces[p][i];
-    first += cuts[p].parts;
+    first += 1 + *std::max_element(partsOfPieces[p].begin(), partsOfPieces[p].end());  // none is empty
   }
   return part;
 }
@@ -158,7 +158,7 @@ Partition finishPartition(const DualGraph& graph, const Bodies& bodies, const Pa
                           const std::vector<std::vector<int>>& partsOfPieces) {
   Partition result;
   switch (options.method) {
-    case PartitionMethod::Metis: result.ofElement = numberParts(plan.pieces, plan.cuts, partsOfPieces); break;
+    case PartitionMethod::Metis: result.ofElement = numberParts(plan.pieces, partsOfPieces); break;
     case PartitionMethod::Block: result.ofElement = plan.pieces.ofElement; break;
     case PartitionMethod::Bricks:
       TEUCHOS_ASSERT(options.bricks.size() == bodies.ofElement.size());

@@ -34,7 +34,7 @@ struct BodyPieces {
 /// \brief What remains to be done for a partition: METIS cuts every piece by itself; nothing is left for the other methods.
 struct PartitionPlan {
   BodyPieces pieces;
-  std::vector<PieceToCut> cuts;  ///< [pieces.count], or empty
+  std::vector<PieceToCut> cuts;  ///< [pieces.count], or empty; not needed once they are cut
 };
 
 /// \name A partition in three steps, of which the second, `cutPiece` of all `cuts`, may be shared by ranks (`cutOnRanks`).
@@ -44,7 +44,7 @@ struct PartitionPlan {
 /// @{
 /// \throws InputError if more subdomains are asked for than there are elements, or fewer than needed.
 PartitionPlan planPartition(const Mesh& mesh, const DualGraph& graph, const PartitionOptions& options);
-/// \param partsOfPieces [plan.cuts] what `cutPiece` returned
+/// \param partsOfPieces [pieces.count] what `cutPiece` returned, or empty
 Partition finishPartition(const DualGraph& graph, const Bodies& bodies, const PartitionOptions& options, const PartitionPlan& plan,
                           const std::vector<std::vector<int>>& partsOfPieces);
 /// @}

@@ -33,6 +33,9 @@ std::vector<idx_t> edgeWeights(const std::vector<double>& couplings) {
 std::vector<int> runMetis(const PieceToCut& piece) {
   const DualGraph& graph = piece.graph;
   std::vector<idx_t> offsets(graph.offsets.begin(), graph.offsets.end()), neighbours(graph.neighbours.begin(), graph.neighbours.end());
+  TEUCHOS_TEST_FOR_EXCEPTION(graph.neighbours.size() > std::size_t(std::numeric_limits<idx_t>::max()), std::runtime_error,
+                             "METIS counts the " << graph.neighbours.size() << " neighbours in a piece of " << piece.centroids.size()
+                                                 << " elements in " << 8 * sizeof(idx_t) << " bits");
   auto weights = edgeWeights(graph.couplings);
   idx_t options[METIS_NOPTIONS];
   METIS_SetDefaultOptions(options);
@@ -134,6 +137,11 @@ std::vector<int> cutPiece(const PieceToCut& piece) {
 }
 
 std::vector<std::vector<int>> cutOnRanks(const Communicator& comm, const std::vector<PieceToCut>& pieces) {
+  if (comm.getSize() == 1) {
+    std::vector<std::vector<int>> parts;
+    runOnRoot(comm, [&] { std::transform(pieces.begin(), pieces.end(), std::back_inserter(parts), cutPiece); });
+    return parts;
+  }
   const auto piecesOf = shareOut(pieces, comm.getSize());
   std::vector<Bytes> messages;
   for (const auto& shared : piecesOf) {

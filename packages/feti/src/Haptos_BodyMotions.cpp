@@ -8,6 +8,7 @@
 #include <limits>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 
 namespace Haptos {
@@ -156,7 +157,7 @@ CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMo
   const Eigen::VectorXd driven = unheld.basis * (unheld.basis.transpose() * unheld.basis).ldlt().solve(work);
   if (work.size() > 0 && driven.norm() > kBalanced * loadScale)
     throw InsufficientModel("The model has no solution: " + bodies.describe(driven) +
-                            " is held by nothing, and the loads drive it (resultant " + std::to_string(driven.norm()) +
+                            " is held by nothing, and the loads drive it (resultant " + formatted("%g", driven.norm()) +
                             "). Fix the body by a Displacement condition or give it a contact that can carry the load.");
   return holdsFor(unheld, bodies);
 }

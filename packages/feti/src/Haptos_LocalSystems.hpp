@@ -71,8 +71,6 @@ class LocalSystems {
   const Eigen::MatrixX3d& magnitude(int i) const { return systems_[copyOf_[i] >= 0 ? copyOf_[i] : i].magnitude; }
   /// \brief Lets K of a class go.
   void releaseStiffness(int congruenceClass);
-  /// \brief Factor of a class, null where it is condensed.
-  const LocalSolver* solverOf(int congruenceClass) const { return solvers_[congruenceClass].get(); }
   /// \brief Dense matrices of a class; null where it is factored, or before both.
   const LocalCondensation* condensationOf(int congruenceClass) const {
     return condensed_.empty() ? nullptr : condensed_[congruenceClass].get();

@@ -19,11 +19,6 @@ ContactLaw::ContactLaw(const MultiplierMap& multipliers, const std::vector<Frict
   }
 }
 
-bool ContactLaw::hasCoulomb() const {
-  return std::any_of(pairs_.begin(), pairs_.end(),
-                     [](const PairLaw& pair) { return pair.law == FrictionLaw::Coulomb && pair.frictional(); });
-}
-
 PairProjection PairLaw::project(const std::array<double, 3>& x) const {
   PairProjection result{};
   const bool closed = x[0] > 0 && !normalPinned;

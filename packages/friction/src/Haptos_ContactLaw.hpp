@@ -55,9 +55,6 @@ class ContactLaw {
 
   const std::vector<PairLaw>& pairs() const { return pairs_; }
 
-  /// \brief Whether some owned pair has a slip bound that follows the normal force.
-  bool hasCoulomb() const;
-
   /// \brief (N, T1, T2) of pair i in a dual vector's local data; 0 where there is no row.
   static std::array<double, 3> gather(const PairLaw& pair, const double* data) {
     const bool t = pair.frictional();

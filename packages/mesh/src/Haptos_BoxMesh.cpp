@@ -7,6 +7,7 @@
 #include <set>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 
 namespace Haptos {
 namespace {
@@ -126,8 +127,8 @@ void checkBox(const BoxSpec& box) {
                        std::to_string(box.divisions[a]) + "; at least 1 is wanted.");
     if (!(box.upper[a] > box.lower[a]))
       throw InputError("Box '" + box.blockName + "': its upper corner must lie above the lower one in " +
-                       axes[a] + ", but they are " + std::to_string(box.upper[a]) + " and " +
-                       std::to_string(box.lower[a]) + ".");
+                       axes[a] + ", but they are " + formatted("%g", box.upper[a]) + " and " +
+                       formatted("%g", box.lower[a]) + ".");
   }
 }
 

@@ -3,6 +3,7 @@
 
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
+#include <sstream>
 
 #include "Haptos_Error.hpp"
 
@@ -100,5 +101,13 @@ int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber) {
 std::string listBlocks(const Mesh& mesh) { return listEntities(mesh.blocks); }
 std::string listSideSets(const Mesh& mesh) { return listEntities(mesh.sideSets); }
 std::string listNodeSets(const Mesh& mesh) { return listEntities(mesh.nodeSets); }
+
+std::string describeNode(const Mesh& mesh, std::int64_t node) {
+  const auto& x = mesh.coordinates[std::size_t(node)];
+  std::ostringstream text;
+  text << "node " << (mesh.nodeNumbers.empty() ? node + 1 : mesh.nodeNumbers[std::size_t(node)]) << " ("
+       << x[0] << ", " << x[1] << ", " << x[2] << ")";
+  return text.str();
+}
 
 }  // namespace Haptos

@@ -91,6 +91,9 @@ int findBlock(const Mesh& mesh, const std::string& nameOrNumber);
 int findSideSet(const Mesh& mesh, const std::string& nameOrNumber);
 int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber);
 
+/// \brief "node 17 (0.5, 0.25, 0)": the file's number and the place of a node, for messages.
+std::string describeNode(const Mesh& mesh, std::int64_t node);
+
 /// \brief "lower (1), upper (2)": what exists, for error messages; "none" if there is nothing.
 std::string listBlocks(const Mesh& mesh);
 std::string listSideSets(const Mesh& mesh);

@@ -148,7 +148,6 @@ void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits
     addDirection(dLambda, dS, state);
     solve();
   }
-  ++newtonSteps_;
 }
 
 bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) const {

@@ -39,12 +39,11 @@ class SubspaceNewtonIter {
   /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
   NewtonStop iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits, bool needsDirection);
 
-  /// \brief Where the multipliers and jumps started from: what came since is kept as one pair when pairs are dropped.
   void setPenalty(Eigen::VectorXd r) { baseR_ = std::move(r); }  ///< [pairs], from the next `iterate` on
+  /// \brief Where the multipliers and jumps started from: what came since is kept as one pair when pairs are dropped.
   void setOrigin(NewtonState origin) { origin_ = std::move(origin); }
 
   int steps() const { return steps_; }
-  int newtonSteps() const { return newtonSteps_; }
   double residual() const { return norm_; }  ///< || (s_E, phi) || [length]
 
  private:
@@ -82,7 +81,7 @@ class SubspaceNewtonIter {
   double norm_ = 0, bestNorm_ = 0, halved_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false;
-  int goodSteps_ = 0, penaltyTried_ = 0, steps_ = 0, newtonSteps_ = 0;
+  int goodSteps_ = 0, penaltyTried_ = 0, steps_ = 0;
   std::vector<double> window_;
 };
 

@@ -8,6 +8,7 @@
 
 #include "Haptos_Error.hpp"
 #include "Haptos_ModelBuilder.hpp"
+#include "Haptos_ParameterValue.hpp"
 
 namespace Haptos {
 namespace {
@@ -42,13 +43,6 @@ struct Given {
   std::string path;
 };
 
-std::string at(const Mesh& mesh, std::int64_t node) {
-  const auto& x = mesh.coordinates[node];
-  std::ostringstream out;
-  out << "node " << mesh.nodeNumbers[node] << " (" << x[0] << ", " << x[1] << ", " << x[2] << ")";
-  return out.str();
-}
-
 }  // namespace
 
 std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::ParameterList& conditions, const Mesh& mesh) {
@@ -72,8 +66,8 @@ std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::Paramete
           const auto [entry, isNew] = given.emplace(std::make_pair(node, component), Given{u[component], path});
           const double before = entry->second.value;
           if (!isNew && std::abs(before - u[component]) > 1e-12 * std::max(std::abs(before), std::abs(u[component])))
-            throw InputError(path + "->Value: prescribes " + letter + "-displacement " + std::to_string(u[component]) + " at " +
-                             at(mesh, node) + ", where " + entry->second.path + " prescribes " + std::to_string(before) +
+            throw InputError(path + "->Value: prescribes " + letter + "-displacement " + numberText(u[component]) + " at " +
+                             describeNode(mesh, node) + ", where " + entry->second.path + " prescribes " + numberText(before) +
                              "; give one value only");
         }
       }

@@ -35,6 +35,7 @@ Bytes packHeader(const Mesh& mesh, const ModelData& data, const GlobalModel& mod
   put(mesh.sideSets);
   put(mesh.nodeSets);
   packNames(writer, data.bodyNames);
+  packNames(writer, data.hinged);
   packNames(writer, data.interfaceNames);
   packNames(writer, data.notes);
   packNames(writer, data.remarks);
@@ -65,6 +66,7 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
   get(header.sideSets);
   get(header.nodeSets);
   model.data.bodyNames = unpackNames(reader);
+  model.data.hinged = unpackNames(reader);
   model.data.interfaceNames = unpackNames(reader);
   model.data.notes = unpackNames(reader);
   model.data.remarks = unpackNames(reader);
@@ -78,11 +80,7 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
   model.primalUnknowns = reader.read<long>();
   if (isReader) return;
   model.data.loads = collectLoads(parameters.sublist("Boundary Conditions"), header);
-  const auto& materials = parameters.sublist("Materials");
-  for (auto it = materials.begin(); it != materials.end(); ++it) {
-    const auto& material = materials.sublist(it->first);
-    model.data.materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
-  }
+  model.data.materials = materialsOf(parameters.sublist("Materials"));
 }
 
 std::vector<double> workOfSubdomains(const std::vector<Subdomain>& subdomains) {
@@ -132,6 +130,7 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuc
   ModelDraft draft;
   runOnRoot(*comm, [&] { draft = draftModel(parameters, std::move(mesh), model.data, model.global); });
   const auto parts = cutOnRanks(*comm, draft.plan.cuts);
+  draft.plan.cuts = {};
   std::vector<Bytes> headers(comm->getSize());
   runOnRoot(*comm, [&] {
     finishModel(draft, parts, model.data, model.global);

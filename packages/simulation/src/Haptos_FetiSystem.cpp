@@ -77,18 +77,6 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
   return any;
 }
 
-// Runs work that may throw on one rank alone, and lets all ranks throw.
-template <class Work>
-void runTogether(const Communicator& comm, Work&& work) {
-  std::string message;
-  try {
-    work();
-  } catch (const InputError& e) {
-    message = e.what();
-  }
-  throwOnAllRanks(comm, message);
-}
-
 }  // namespace
 
 FetiSystem::FetiSystem(const DistributedModel& model) : model_(model), law_(*model.multipliers, model.data.friction) {
@@ -113,7 +101,7 @@ void FetiSystem::assembleLoads() {
 
 void FetiSystem::assemble() {
   if (!model_.nodalForces.empty()) copies_ = countCopies(*model_.comm, model_.subdomains);
-  runTogether(*model_.comm, [&] {
+  runOnAllRanks(*model_.comm, [&] {
     systems_->assemble(model_.subdomains, model_.data.materials, model_.data.formulation);
     assembleLoads();
   });
@@ -139,8 +127,10 @@ void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<
   const bool capped = capMaterials(model_.data.materials, cappedMaterials_);
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), method);
   const double mayUse = 0.5 * physicalMemoryBytes() / double(model_.comm->getSize());  // as if all ranks shared one machine
-  systems_->factor(model_.subdomains, *jump_, method, dual, mayUse, [&](int) {
-    if (kind_ && !capped) surface.add(*systems_, model_.subdomains, *jump_);
+  runOnAllRanks(*model_.comm, [&] {
+    systems_->factor(model_.subdomains, *jump_, method, dual, mayUse, [&](int) {
+      if (kind_ && !capped) surface.add(*systems_, model_.subdomains, *jump_);
+    });
   });
   if (!kind_) return;
   findSlender();
@@ -152,13 +142,15 @@ void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<
 // K once more, each class as long as the preconditioner's part of it is made.
 RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, bool dense) const {
   const auto systems = Teuchos::rcp(new LocalSystems);
-  systems->assemble(model_.subdomains, cappedMaterials_, model_.data.formulation);
-  if (dense) systems->condenseLike(*systems_, model_.subdomains);
-  else systems->findClasses();
-  for (int c = 0; c < systems->numClasses(); ++c) {
-    surface.add(*systems, model_.subdomains, *jump_);
-    systems->releaseStiffness(c);
-  }
+  runOnAllRanks(*model_.comm, [&] {
+    systems->assemble(model_.subdomains, cappedMaterials_, model_.data.formulation);
+    if (dense) systems->condenseLike(*systems_, model_.subdomains);
+    else systems->findClasses();
+    for (int c = 0; c < systems->numClasses(); ++c) {
+      surface.add(*systems, model_.subdomains, *jump_);
+      systems->releaseStiffness(c);
+    }
+  });
   return systems;
 }
 
@@ -170,8 +162,16 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
     isGluing.push_back(isEquality(kind));
     isContact.push_back(!isEquality(kind));
   }
-  const auto GGT = Teuchos::rcp(
-      new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holds_, CoarseProblem::Factor::Now));
+  RCP<CoarseProblem> GGT;
+  try {
+    GGT = Teuchos::rcp(
+        new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holds_, CoarseProblem::Factor::Now));
+  } catch (const std::runtime_error&) {  // thrown on all ranks
+    if (model_.data.hinged.empty()) throw;
+    throw InsufficientModel("The model has no solution: pieces of body '" + model_.data.hinged.front() +
+                            "' hang together by single nodes or edges, and a rotation about these is held by nothing. "
+                            "Join them by element sides, or hold every piece.");
+  }
   dual_ = makeDualProblem(F, G_, GGT, *f_, *c_);
 }
 

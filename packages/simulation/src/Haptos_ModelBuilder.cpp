@@ -4,12 +4,14 @@
 #include <Teuchos_Array.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_DualGraph.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_ExodusReader.hpp"
+#include "Haptos_ParameterValue.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 
 namespace Haptos {
@@ -20,14 +22,13 @@ using Names = Teuchos::Array<std::string>;
 
 std::string blockLabel(const ElementBlock& block) { return block.name.empty() ? std::to_string(block.id) : block.name; }
 
-// Materials in the order of the input; fills the material of every block.
-std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, std::vector<IsotropicMaterial>& materials) {
+// [blocks]
+std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, const std::vector<IsotropicMaterial>& materials) {
   std::vector<int> materialOfBlock(mesh.blocks.size(), -1);
+  int own = 0;
   for (auto it = list.begin(); it != list.end(); ++it) {
     const auto& material = list.sublist(it->first);
     const std::string path = "Materials->" + it->first + "->Element Blocks";
-    const int own = int(materials.size());
-    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
     for (const auto& name : material.get<Names>("Element Blocks")) {
       const int block = findBlock(mesh, name);
       if (block < 0)
@@ -38,6 +39,7 @@ std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, st
                          "'; a block takes one material");
       materialOfBlock[block] = own;
     }
+    ++own;
   }
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
     if (materialOfBlock[b] < 0 && mesh.blocks[b].numElements() > 0)
@@ -159,15 +161,19 @@ void checkPinnedRows(const GlobalModel& model, const ModelData& data) {
   for (const auto& x : model.mesh.coordinates)
     for (int d = 0; d < 3; ++d) size = std::max(size, std::abs(x[d] - model.mesh.coordinates.front()[d]));
   for (const auto& pair : model.rows.pairs)
-    if (model.rows.pinned[pair.normal] && model.rows.c[pair.normal] < -1e-9 * size) {
-      const auto& x = model.mesh.coordinates[pair.geometry.secondaryNode];
-      throw InsufficientModel("The model has no solution: at node " +
-                              std::to_string(model.mesh.nodeNumbers[pair.geometry.secondaryNode]) + " (" + std::to_string(x[0]) +
-                              ", " + std::to_string(x[1]) + ", " + std::to_string(x[2]) + ") of contact '" +
-                              data.interfaceNames[pair.interface] +
-                              "' the prescribed displacements of both sides overlap by " +
-                              std::to_string(-model.rows.c[pair.normal]) + ".");
-    }
+    if (model.rows.pinned[pair.normal] && model.rows.c[pair.normal] < -1e-9 * size)
+      throw InsufficientModel("The model has no solution: at " + describeNode(model.mesh, pair.geometry.secondaryNode) + " of contact '" +
+                              data.interfaceNames[pair.interface] + "' the prescribed displacements make the surfaces overlap by " +
+                              numberText(-model.rows.c[pair.normal]) + ".");
+}
+
+std::vector<std::string> hingedBodies(const BodyPieces& pieces, const Bodies& bodies) {
+  std::vector<int> count(bodies.names.size(), 0);
+  for (const auto& elements : pieces.elements) ++count[std::size_t(bodies.ofElement[std::size_t(elements.front())])];
+  std::vector<std::string> names;
+  for (std::size_t b = 0; b < count.size(); ++b)
+    if (count[b] > 1) names.push_back(bodies.names[b]);
+  return names;
 }
 
 // Messages name nodes and elements by their numbers, which a mesh in memory need not have.
@@ -178,6 +184,15 @@ void numberFromOne(std::vector<std::int64_t>& numbers, std::size_t count) {
 }
 
 }  // namespace
+
+std::vector<IsotropicMaterial> materialsOf(const ParameterList& list) {
+  std::vector<IsotropicMaterial> materials;
+  for (auto it = list.begin(); it != list.end(); ++it) {
+    const auto& material = list.sublist(it->first);
+    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
+  }
+  return materials;
+}
 
 SourceMesh makeMesh(const ParameterList& parameters) {
   const auto& list = parameters.sublist("Mesh");
@@ -197,9 +212,13 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   ModelDraft draft;
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
+  if (model.mesh.numElements() + model.mesh.numNodes() > std::size_t(std::numeric_limits<int>::max()))
+    throw InputError("Mesh: has " + std::to_string(model.mesh.numElements()) + " elements and " + std::to_string(model.mesh.numNodes()) +
+                     " nodes; the one rank that cuts it takes at most 2147483647 of both together");
   if (const auto& title = parameters.get<std::string>("Title"); !title.empty()) model.mesh.title = title;
   numberFromOne(model.mesh.nodeNumbers, model.mesh.numNodes());
   numberFromOne(model.mesh.elementNumbers, model.mesh.numElements());
+  data.materials = materialsOf(parameters.sublist("Materials"));
   draft.materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
   chooseFormulation(draft.materialOfBlock, model.mesh, data);
   model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
@@ -213,6 +232,7 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   draft.options = partitionOptions(parameters.sublist("Decomposition"), source.bricks);
   data.metis = draft.options.method == PartitionMethod::Metis;
   draft.plan = planPartition(model.mesh, draft.graph, draft.options);
+  data.hinged = hingedBodies(draft.plan.pieces, draft.bodies);
   return draft;
 }
 

@@ -29,6 +29,7 @@ struct ModelData {
   std::vector<FrictionSpec> friction;        ///< [interfaces]
   std::vector<std::string> interfaceNames;
   std::vector<std::string> bodyNames;
+  std::vector<std::string> hinged;           ///< bodies whose pieces hang together by nodes or edges alone
   Formulation formulation = Formulation::Standard;
   std::vector<std::string> notes;            ///< full sentences for the report, also printed as warnings
   std::vector<std::string> remarks;          ///< full sentences for the report
@@ -54,6 +55,9 @@ struct SourceMesh {
   std::vector<int> bricks;  ///< [numElements], or empty
 };
 
+/// \brief The materials in the order of the input.
+std::vector<IsotropicMaterial> materialsOf(const Teuchos::ParameterList& materials);
+
 /// \brief Reads or generates the mesh of the parameters.  Serial.
 SourceMesh makeMesh(const Teuchos::ParameterList& parameters);
 
@@ -71,7 +75,7 @@ struct ModelDraft {
 /// \param parameters validated, with all defaults
 /// \throws InputError naming the parameter and what exists
 ModelDraft draftModel(const Teuchos::ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model);
-/// \param partsOfPieces [draft.plan.cuts] from `cutOnRanks`
+/// \param partsOfPieces from `cutOnRanks` of draft.plan.cuts
 /// \throws InsufficientModel for a violated pinned contact row
 void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model);
 /// @}
