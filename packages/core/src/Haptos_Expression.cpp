@@ -94,7 +94,7 @@ Expression::Expression(const std::string& text, const std::string& parameterPath
   }
   if (trimmed(text).empty())
     throw InputError(parameterPath + ": the expression is empty; give a number or a function of x, y, z");
-  constexpr std::size_t kLongest = 10000;  // muParser's own limit is near, and beyond the text belongs into a table
+  constexpr std::size_t kLongest = 19999;  // muParser's own limit, which it tells by repeating the text
   if (text.size() > kLongest)
     throw InputError(parameterPath + ": the expression has " + std::to_string(text.size()) + " characters; at most " +
                      std::to_string(kLongest) + " are read");
