@@ -52,7 +52,7 @@ class GluingBalance {
 ///
 ///   dual:   res := res + G_A^T a  with  G_A D res = 0;   primal:  z := z - D G_A^T (G_A D G_A^T)^-1 G_A z
 ///
-/// D = diag(M) / median.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
+/// D = diag(M) / its largest entry.  G_A has the gluing rows, normal rows of closed pairs, tangential rows weighted by sqrt(theta).
 class ActiveCoarseProjection {
  public:
   /// \brief Of which rows may become active; `renew` follows before any use.

@@ -2,6 +2,7 @@
 #include "Haptos_NewtonDirection.hpp"
 
 #include <Eigen/Dense>
+#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 
 #include "Haptos_ByteBuffer.hpp"
@@ -35,14 +36,14 @@ NewtonDirection::NewtonDirection(const ContactOperators& dual, const Eigen::Vect
                                  const GluingBalance& balance)
     : dual_(dual), vectors_(vectors), balance_(balance), stiffness_(diagonalOfM), preconditioner_(dual, vectors, toleranceOfCompliance(balance)) {
   const Eigen::VectorXd contact = vectors.contact(stiffness_);
-  std::vector<double> normal, all;
+  std::vector<double> normal;
   for (Eigen::Index i = 0; i < vectors.numPairs(); ++i)
     if (contact[3 * i] > 0) normal.push_back(contact[3 * i]);
-  for (double value : stiffness_)
-    if (value > 0) all.push_back(value);
-  const double onNormals = globalMedian(vectors.comm(), normal), median = globalMedian(vectors.comm(), all);
-  pairStiffness_ = Eigen::VectorXd::Constant(vectors.numPairs(), onNormals > 0 ? onNormals : median);
-  weights_ = stiffness_ / (median > 0 ? median : 1.0);
+  const double onNormals = globalMedian(vectors.comm(), normal), mine = stiffness_.size() > 0 ? stiffness_.maxCoeff() : 0.0;
+  double largest = 0;
+  Teuchos::reduceAll(vectors.comm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
+  pairStiffness_ = Eigen::VectorXd::Constant(vectors.numPairs(), onNormals > 0 ? onNormals : largest);
+  weights_ = stiffness_ / (largest > 0 ? largest : 1.0);
   const double pairs = vectors.sum(double(vectors.numPairs()));
   mayHaveModel_ = dual.makeDeflatedM && pairs > 0 && pairs <= double(CondensedNewton::kLargest);
 }

@@ -60,7 +60,7 @@ class NewtonDirection {
   const DualVectors& vectors_;
   const GluingBalance& balance_;
   Eigen::VectorXd stiffness_;  ///< [rows] diag(M)
-  Eigen::VectorXd weights_;    ///< [rows] diag(M) / median
+  Eigen::VectorXd weights_;    ///< [rows] diag(M) / its largest entry
   Eigen::VectorXd pairStiffness_;
   std::vector<Eigen::Matrix3d> preparedFor_;
   std::vector<TangentialModes> modes_;
