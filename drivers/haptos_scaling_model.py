@@ -30,7 +30,7 @@ def factor_entries_bound(k):
 
 
 def slab_bytes(k, p, touches_clamp=True):
-    """Bytes across one plane between layers of bricks, for B or for B^T, one vector, if ranks hold whole layers."""
+    """Bytes across one plane between layers of bricks, both ways together, for B or for B^T, one vector, if ranks hold whole layers."""
     return 8 * 3 * (2 * k * k * (p + 1) ** 2 + (k * p + 1 if touches_clamp else 0))
 
 
@@ -67,17 +67,25 @@ class Lattice:
     def rows(self, node):
         """(number of rows, subdomains that they touch) of the node's constraints; pairs count at the lower node."""
         copies = self.copies(node)
-        yield from ((3, copies[:j + 1]) for j in range(1, len(copies)))  # row j joins copy j to those before it
+        if self.is_highest(node):
+            copies.reverse()
+        yield from ((3, copies[:j + 1]) for j in range(1, len(copies)))  # row j joins copy j to those before it: the owner has the first
         if node[1] == 0:
             yield 3, copies  # clamped
         other = self.opposite(node)
         if other and node[0] == 0 and node[1] > 0:
             yield 3, copies + self.copies(other)
 
-    def owner(self, node):
+    def group(self, node):
         other = self.opposite(node)
-        group = self.copies(node) + (self.copies(other) if other else [])
-        return self.rank_of[max(group) if other and min(group) % 2 else min(group)]
+        return self.copies(node) + (self.copies(other) if other else [])
+
+    def is_highest(self, node):
+        """Whether the highest subdomain has the rows instead of the lowest: every other one leaves what it shares."""
+        return min(self.group(node)) % 2 == 1
+
+    def owner(self, node):
+        return self.rank_of[(max if self.is_highest(node) else min)(self.group(node))]
 
 
 def imports(k, p, ranks):

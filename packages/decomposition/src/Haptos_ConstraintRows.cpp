@@ -62,17 +62,14 @@ NodeCopies findCopies(const Mesh& mesh, const std::vector<Subdomain>& subdomains
 }
 
 // Rows that share a node, or a contact pair, must be owned by one rank: their Gram matrix is local then.  It is that of the
-// lowest subdomain; every other one of those leaves its pairs to the highest, as laws are work for both bodies' ranks.
+// lowest subdomain; every other one of those leaves its nodes to the highest, as rows are work for both neighbours' ranks.
 class Ownership {
  public:
   Ownership(const NodeCopies& copies, const std::vector<ContactInterface>& interfaces) : parent_(copies.offsets.size() - 1) {
     std::iota(parent_.begin(), parent_.end(), std::int64_t(0));
-    std::vector<char> isPaired(parent_.size(), 0);
     for (const auto& interface : interfaces)
       for (const auto& pair : interface.pairs) {
-        if (pair.primaryNode < 0) continue;
-        isPaired[pair.primaryNode] = isPaired[pair.secondaryNode] = 1;
-        parent_[root(pair.secondaryNode)] = root(pair.primaryNode);
+        if (pair.primaryNode >= 0) parent_[root(pair.secondaryNode)] = root(pair.primaryNode);
       }
     lowest_.assign(parent_.size(), -1);
     highest_.assign(parent_.size(), -1);
@@ -81,13 +78,11 @@ class Ownership {
       const std::int64_t group = root(std::int64_t(node));
       const int mine = copies.begin(std::int64_t(node))->subdomain;
       lowest_[group] = lowest_[group] < 0 ? mine : std::min(lowest_[group], mine);
-      if (isPaired[node]) highest_[group] = std::max(highest_[group], (copies.begin(std::int64_t(node + 1)) - 1)->subdomain);
+      highest_[group] = std::max(highest_[group], (copies.begin(std::int64_t(node + 1)) - 1)->subdomain);
     }
   }
-  int owner(std::int64_t node) {
-    const std::int64_t group = root(node);
-    return highest_[group] >= 0 && lowest_[group] % 2 == 1 ? highest_[group] : lowest_[group];
-  }
+  bool isHighest(std::int64_t node) { return lowest_[root(node)] % 2 == 1; }
+  int owner(std::int64_t node) { return (isHighest(node) ? highest_ : lowest_)[root(node)]; }
 
  private:
   std::int64_t root(std::int64_t i) {
@@ -117,14 +112,16 @@ class RowBuilder {
     return rows.numRows() - 1;
   }
 
+  // Starts with the owner's copies: rows among them are nobody else's.
   void addGluing(std::int64_t node) {
     const int mu = copies_.count(node);
-    const Copy* copy = copies_.begin(node);
+    const bool descending = ownership_.isHighest(node);
+    const auto copy = [&](int i) { return copies_.begin(node)[descending ? mu - 1 - i : i]; };
     for (int j = 1; j < mu; ++j)
       for (int component = 0; component < 3; ++component) {
         const double norm = std::sqrt(double(j) * (j + 1));
-        for (int i = 0; i < j; ++i) addEntry(copy[i], component, 1.0 / norm);
-        addEntry(copy[j], component, -j / norm);
+        for (int i = 0; i < j; ++i) addEntry(copy(i), component, 1.0 / norm);
+        addEntry(copy(j), component, -j / norm);
         closeRow(RowKind::Gluing, 0.0, node);
       }
   }
