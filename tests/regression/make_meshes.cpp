@@ -49,6 +49,24 @@ Mesh notANumber() {
   return mesh;
 }
 
+/// In another unit of length.
+Mesh scaled(double factor) {
+  Mesh mesh = stack(2, 2);
+  for (auto& x : mesh.coordinates)
+    for (double& component : x) component *= factor;
+  return mesh;
+}
+
+/// Every side is listed twice.
+Mesh doubled() {
+  Mesh mesh = stack(2, 2);
+  for (auto& set : mesh.sideSets) {
+    const auto once = set.sides;
+    set.sides.insert(set.sides.end(), once.begin(), once.end());
+  }
+  return mesh;
+}
+
 }  // namespace
 
 int main(int argc, char* argv[]) {
@@ -63,5 +81,8 @@ int main(int argc, char* argv[]) {
   writeMesh(folder + "/non_matching.exo", stack(2, 3));
   writeMesh(folder + "/inverted.exo", inverted());
   writeMesh(folder + "/not_a_number.exo", notANumber());
+  writeMesh(folder + "/tiny.exo", scaled(1e-60));
+  writeMesh(folder + "/huge.exo", scaled(1e60));
+  writeMesh(folder + "/doubled.exo", doubled());
   return 0;
 }

@@ -117,6 +117,15 @@ class Solved(SceneTest):
                 self.assertAlmostEqual(force, wanted, delta=1e-5)
             self.assertEqual((joint["stick"], joint["slip"], joint["open"]), (9, 0, 0))
 
+    def test_faces_listed_twice_are_loaded_once(self):
+        forces = []
+        for mesh, sets in (("stack.exo", ["upper_top"]), ("doubled.exo", ["upper_top", "upper_top"])):
+            scene = stack(Mesh__File=mesh)
+            scene["Boundary Conditions"]["press"]["Sets"] = sets
+            forces.append(self.solve(scene)["contact"]["joint"]["normal_force"])
+        self.assertGreater(forces[0], 0.1)
+        self.assertAlmostEqual(forces[1], forces[0], places=9)
+
     def test_overlap_within_the_gap(self):
         """A clamped pair that just touches is pinned, and the rest is solved."""
         scene = stack()

@@ -53,6 +53,21 @@ class WrongParameters(WrongInput):
             self.refuse(stack(), "Materials->soft->Young's Modulus", text,
                         arguments=["--set", f"Materials->soft->Young's Modulus={text}"])
 
+    def test_too_large_to_be_computed_with(self):
+        self.refuse(stack(), "Materials->soft->Young's Modulus", "1e-200", "1e-100", "units",
+                    arguments=["--set", "Materials->soft->Young's Modulus=1e-200"])
+        self.refuse(stack(), "Materials->soft->Young's Modulus", "1e+101", "1e+100", "units",
+                    arguments=["--set", "Materials->soft->Young's Modulus=1e101"])
+        for value, name in ((1e101, "1e+101"), ("-1e101*z", "'-1e101*z'")):
+            scene = stack()
+            scene["Boundary Conditions"]["press"]["Value"] = value
+            self.refuse(scene, "Boundary Conditions->press->Value", name, "1e+100")
+
+    def test_stiffnesses_too_far_apart(self):
+        scene = stack(Materials={"soft": material(["lower"]), "hard": material(["upper"])})
+        scene["Materials"]["hard"]["Young's Modulus"] = 1e18
+        self.refuse(scene, "Materials", "'hard'", "1e+18", "'soft'", "1000", "1e+14", "rigid plane")
+
     def test_not_a_number_in_an_array(self):
         scene = stack()
         scene["Boundary Conditions"]["side"]["Value"] = [0.0, float("nan"), 0.0]
@@ -115,6 +130,10 @@ class WrongMesh(WrongInput):
 
     def test_coordinate_is_not_a_number(self):
         self.refuse(stack(Mesh__File="not_a_number.exo"), "not_a_number.exo", "8", "nan")
+
+    def test_size_of_the_mesh(self):
+        self.refuse(stack(Mesh__File="tiny.exo"), "Mesh: extends over 2e-60", "1e-50", "1e+50", "unit of length")
+        self.refuse(stack(Mesh__File="huge.exo"), "Mesh: extends over 2e+60", "unit of length")
 
     def test_inverted_element(self):
         self.refuse(stack(Mesh__File="inverted.exo"), "14", "inverted")

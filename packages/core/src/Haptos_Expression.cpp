@@ -116,10 +116,10 @@ Expression::Expression(const std::string& text, const std::string& parameterPath
 }
 
 double Expression::finite(double value, double x, double y, double z) const {
-  if (std::isfinite(value)) return value;
+  if (std::abs(value) <= kLargestNumber) return value;
   throw InputError(parameterPath_ + ": the expression '" + text_ + "' gives " + numberText(value) +
                    " at (x, y, z) = (" + numberText(x) + ", " + numberText(y) + ", " + numberText(z) +
-                   "); it must be finite wherever it is applied");
+                   "); it must be finite, and at most " + numberText(kLargestNumber) + ", wherever it is applied");
 }
 
 double Expression::operator()(double x, double y, double z) const {

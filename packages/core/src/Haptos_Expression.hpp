@@ -26,7 +26,7 @@ class Expression {
   Expression(const std::string& text, const std::string& parameterPath);
 
   /// \brief Value at a point, in the unit of the parameter.
-  /// \throws InputError that names parameter and point if the value is not finite
+  /// \throws InputError that names parameter and point if the value is not finite or beyond kLargestNumber
   double operator()(double x, double y, double z) const;
 
   bool isConstant() const { return parser_ == nullptr; }

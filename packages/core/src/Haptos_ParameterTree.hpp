@@ -11,6 +11,9 @@
 
 namespace Haptos {
 
+/// \brief Numbers of the input are at most this, up or down: their fourth powers must not leave the range of double precision.
+constexpr double kLargestNumber = 1e100;
+
 /// \brief An interval of numbers; infinite ends by default.  NaN and infinities are never inside.
 struct NumberRange {
   double lower = -std::numeric_limits<double>::infinity();

@@ -41,6 +41,8 @@ void checkNumber(const ParameterSpec& spec, const std::string& path, double valu
     refuse(path, numberText(value) + " is not a finite number; valid: " + spec.range.text());
   if (!spec.range.contains(value))
     refuse(path, numberText(value) + " is out of range; valid: " + spec.range.text());
+  if (std::abs(value) > kLargestNumber)
+    refuse(path, numberText(value) + " is too large to be computed with, the limit is " + numberText(kLargestNumber) + "; use other units");
 }
 
 void checkWord(const ParameterSpec& spec, const std::string& path, const std::string& value) {

@@ -54,6 +54,8 @@ TEUCHOS_UNIT_TEST(Expression, MistakesAreRefusedWithTheirPosition) {
   TEST_CONTAINS(textRefusal("t*x"), path, "reserved for time");
   TEST_CONTAINS(textRefusal("nan"), path);
   TEST_CONTAINS(textRefusal("1/0"), path, "inf", "must be finite");
+  TEST_CONTAINS(textRefusal("1e99*20"), path, "2e+100", "at most 1e+100");
+  TEST_EQUALITY(textRefusal("-1e100"), "(nothing thrown)");
   TEST_EQUALITY(textRefusal("x >= 1 || x == 0"), "(nothing thrown)");
 }
 

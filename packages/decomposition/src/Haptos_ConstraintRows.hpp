@@ -41,7 +41,7 @@ struct PairRows {
 /// \brief All rows of B u <= / = c of Total FETI, in the paper's order: gluing, Dirichlet, (tied,) N, T1, T2.
 ///
 /// Gluing rows are non-redundant and orthonormal: a node with mu copies in its body has mu - 1 rows per
-/// component, (1, .., 1, -j, 0, ..) / sqrt(j (j+1)).  Dirichlet rows have the entries 1/sqrt(mu), once per
+/// component, (1, .., 1, -j, 0, ..) / sqrt(j (j+1)), the owner's copies first.  Dirichlet rows have the entries 1/sqrt(mu), once per
 /// node and component, so c = sqrt(mu) value.  Contact rows act on the mean of the copies, so that B u is
 /// the jump [length] and the multiplier the nodal force [force]; prescribed components are eliminated from
 /// them, which keeps B of full row rank.  A row that is left empty by this is `pinned`.  A tied pair has three

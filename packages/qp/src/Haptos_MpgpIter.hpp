@@ -72,10 +72,8 @@ class MpgpIter : public Belos::Iteration<Scalar, MV, OP> {
 
   const MpgpCounts& counts() const { return counts_; }
   const OperatorNorm& operatorNorm() const { return normA_; }
-  Scalar penalty() const { return rho_; }
   const MV& solution() const { return *x_; }
   const MV& gradient() const { return *g_; }             ///< grad L = A x - b + mu + rho Q (x - x0)
-  const MV& equalityResidual() const { return *c_; }     ///< Q (x - x0)
   const MV& multiplier() const { return *mu_; }          ///< mu
   Scalar projectedGradientNorm() const { return normGP_; }  ///< ||g^P||, g^P = phiR + beta
   Scalar equalityNorm() const { return normC_; }         ///< ||Q (x - x0)||
@@ -99,7 +97,7 @@ class MpgpIter : public Belos::Iteration<Scalar, MV, OP> {
   void splitGradient();
   void restartDirection();
   Scalar applyToDirection();
-  void raiseNorm(Scalar curvature);
+  bool raiseNorm(Scalar curvature);
   void conjugateGradientStep(Scalar alphaCg, Scalar pAp);
   void expansionStep(Scalar alphaCg, Scalar alphaFeasible);
   bool tryProjectedCgStep(Scalar length, Scalar requiredDecrease);

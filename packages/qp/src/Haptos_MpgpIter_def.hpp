@@ -135,8 +135,7 @@ void MpgpIter<Scalar, MV, OP>::gradientProjectionStep(const MV& direction) {
     Belos::MultiVecTraits<Scalar, MV>::MvAddMv(1, *g_, -1, *gSaved_, *Qp_);
     const Scalar curvature = Details::dot<Scalar>(*dx_, *Qp_) / dxdx;
     if (!(curvature > hessianNorm())) return;
-    raiseNorm(curvature);
-    if (decrease >= 0) return;
+    if (!raiseNorm(curvature) || decrease >= 0) return;  // no shorter step would be tried: what is left is round-off
     takeBack();
   }
 }
@@ -193,12 +192,13 @@ Scalar MpgpIter<Scalar, MV, OP>::hessianNorm() const {
 }
 
 template <class Scalar, class MV, class OP>
-void MpgpIter<Scalar, MV, OP>::raiseNorm(Scalar curvature) {
+bool MpgpIter<Scalar, MV, OP>::raiseNorm(Scalar curvature) {
   const Scalar missing = curvature - hessianNorm();
-  if (missing <= 1e-12 * curvature) return;
+  if (missing <= 1e-12 * curvature) return false;
   normA_.value = std::max<Scalar>(normA_.value, hessianNorm() - (normA_.decoupled ? 0 : rho_)) + missing;
   normA_.value += 0.05 * curvature;
   ++counts_.normCorrections;
+  return true;
 }
 
 template <class Scalar, class MV, class OP>

@@ -19,20 +19,18 @@ class StatusTestProjectedGradient : public Belos::StatusTest<Scalar, MV, OP> {
   Belos::StatusType checkStatus(Belos::Iteration<Scalar, MV, OP>* iteration) override {
     const auto& mpgp = dynamic_cast<const MpgpIter<Scalar, MV, OP>&>(*iteration);
     norm_ = mpgp.projectedGradientNorm();
-    limitReached_ = mpgp.counts().hessianApplications >= maxApplications_;
-    return status_ = norm_ <= tolerance_ || limitReached_ ? Belos::Passed : Belos::Failed;
+    const bool limitReached = mpgp.counts().hessianApplications >= maxApplications_;
+    return status_ = norm_ <= tolerance_ || limitReached ? Belos::Passed : Belos::Failed;
   }
   Belos::StatusType getStatus() const override { return status_; }
   void reset() override { status_ = Belos::Undefined; }
   void print(std::ostream& os, int indent = 0) const override {
     os << std::string(indent, ' ') << "projected gradient " << norm_ << " (tolerance " << tolerance_ << ")\n";
   }
-  bool limitReached() const { return limitReached_; }
 
  private:
   Scalar tolerance_, norm_ = -1;
   int maxApplications_;
-  bool limitReached_ = false;
   Belos::StatusType status_ = Belos::Undefined;
 };
 

@@ -114,6 +114,21 @@ TEUCHOS_UNIT_TEST(MpgpIter, CorrectsANormThatIsTooSmall) {
   checkKkt(d, r.x, 1e-9, success, out);
 }
 
+TEUCHOS_UNIT_TEST(MpgpIter, EndsAtTheLongestStep) {
+  // A = 2 I, and a step of 2 / ||A||, which mirrors x in the solution: the cost stays up to round-off, as does the norm.
+  DenseProblem d = makeString(1, 0);
+  d.A = 2 * DenseMatrix::Identity(3, 3);
+  d.b << 10, 0, 0;
+  d.lower[0] = 0;
+  d.semiAxes.setConstant(1);
+  MpgpOptions options;
+  options.alphaFactor = 2;
+  const Result r = solve(d, 2 * (1 - 1e-13), 1e-10, options);
+  TEST_FLOATING_EQUALITY(r.x[0], 5.0, 1e-10);
+  TEST_ASSERT(r.counts.proportioning > 0);
+  TEST_COMPARE(r.counts.hessianApplications, <, 10);
+}
+
 TEUCHOS_UNIT_TEST(MpgpIter, BreakdownSaysWhichAssumptionFailed) {
   DenseProblem d = makeString(4, 0.3);
   d.A(11, 11) = -3;

@@ -6,6 +6,8 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <cmath>
+#include <set>
+#include <utility>
 
 #include "Haptos_Error.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
@@ -23,6 +25,16 @@ std::vector<int> sizesOf(const std::vector<Subdomain>& subdomains) {
 
 bool contains(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
 
+// Sides of a group that a load acts on, each once: sets overlap, and some programs list a face twice.
+std::vector<GroupSide> loadedSides(const Subdomain& sub, int group, const Load& load) {
+  std::set<std::pair<int, int>> found;
+  for (const auto& side : sub.sides)
+    if (side.group == group && contains(load.sideSets, side.sideSet)) found.emplace(side.element, side.side);
+  std::vector<GroupSide> sides;
+  for (const auto& [element, side] : found) sides.push_back({element, side});
+  return sides;
+}
+
 void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd> f) {
   const ScalarField pressure = [&](double x, double y, double z) { return load.pressure(x, y, z); };
   const VectorField vector = [&](double x, double y, double z) { return load.value(x, y, z); };
@@ -31,9 +43,7 @@ void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd>
       if (contains(load.blocks, sub.blockOfGroup[g])) addBodyForce(sub.coordinates, sub.groups[g], vector, f);
       continue;
     }
-    std::vector<GroupSide> sides;
-    for (const auto& side : sub.sides)
-      if (side.group == g && contains(load.sideSets, side.sideSet)) sides.push_back({side.element, side.side});
+    const auto sides = loadedSides(sub, g, load);
     if (sides.empty()) continue;
     if (load.kind == Load::Kind::Pressure) addPressure(sub.coordinates, sub.groups[g], sides, pressure, f);
     else addTraction(sub.coordinates, sub.groups[g], sides, vector, f);

@@ -185,6 +185,41 @@ void numberFromOne(std::vector<std::int64_t>& numbers, std::size_t count) {
 
 }  // namespace
 
+namespace {
+
+// Volumes, moments and their squares must stay within the range of double precision.
+void requireOrdinarySize(const Mesh& mesh) {
+  constexpr double kLargest = 1e50, kSmallest = 1e-50;
+  double extent = 0, largest = 0;
+  for (int c = 0; c < 3; ++c) {
+    const auto along = [c](const auto& a, const auto& b) { return a[std::size_t(c)] < b[std::size_t(c)]; };
+    const auto [low, high] = std::minmax_element(mesh.coordinates.begin(), mesh.coordinates.end(), along);
+    const double first = (*low)[std::size_t(c)], last = (*high)[std::size_t(c)];
+    extent = std::max(extent, last - first);
+    largest = std::max({largest, std::abs(first), std::abs(last)});
+  }
+  if (largest <= kLargest && extent >= kSmallest) return;
+  throw InputError("Mesh: extends over " + numberText(extent) + " and to coordinates of " + numberText(largest) + "; lengths from " +
+                   numberText(kSmallest) + " to " + numberText(kLargest) + " can be computed with, so use another unit of length");
+}
+
+// Beyond the ratio, round-off in the stiff body is larger than what the soft one does.
+void requireOrdinaryStiffness(const std::vector<IsotropicMaterial>& materials) {
+  constexpr double kLargestRatio = 1e14, kSmallest = 1e-100;
+  const auto softer = [](const IsotropicMaterial& a, const IsotropicMaterial& b) { return a.youngsModulus < b.youngsModulus; };
+  const auto [soft, stiff] = std::minmax_element(materials.begin(), materials.end(), softer);
+  if (materials.empty()) return;
+  if (soft->youngsModulus < kSmallest)
+    throw InputError("Materials->" + soft->name + "->Young's Modulus: " + numberText(soft->youngsModulus) +
+                     " is too small to be computed with, the limit is " + numberText(kSmallest) + "; use other units");
+  if (stiff->youngsModulus <= kLargestRatio * soft->youngsModulus) return;
+  throw InputError("Materials: the Young's moduli of '" + stiff->name + "' (" + numberText(stiff->youngsModulus) + ") and '" + soft->name +
+                   "' (" + numberText(soft->youngsModulus) + ") differ by more than " + numberText(kLargestRatio) +
+                   ", the limit of double precision; model the stiff body as a rigid plane or by prescribed displacements");
+}
+
+}  // namespace
+
 std::vector<IsotropicMaterial> materialsOf(const ParameterList& list) {
   std::vector<IsotropicMaterial> materials;
   for (auto it = list.begin(); it != list.end(); ++it) {
@@ -212,6 +247,7 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   ModelDraft draft;
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
+  requireOrdinarySize(model.mesh);
   if (model.mesh.numElements() + model.mesh.numNodes() > std::size_t(std::numeric_limits<int>::max()))
     throw InputError("Mesh: has " + std::to_string(model.mesh.numElements()) + " elements and " + std::to_string(model.mesh.numNodes()) +
                      " nodes; the one rank that cuts it takes at most 2147483647 of both together");
@@ -219,6 +255,7 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   numberFromOne(model.mesh.nodeNumbers, model.mesh.numNodes());
   numberFromOne(model.mesh.elementNumbers, model.mesh.numElements());
   data.materials = materialsOf(parameters.sublist("Materials"));
+  requireOrdinaryStiffness(data.materials);
   draft.materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
   chooseFormulation(draft.materialOfBlock, model.mesh, data);
   model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
