@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Exit statuses 0, 2 and 3: what is solved, what is not converged, what has no solution."""
+import json
+import re
+
 import haptos_runs
-from haptos_runs import SceneTest, displacement, stack
+from haptos_runs import INPUTS, SceneTest, displacement, run_haptos, stack
 
 RANKS = (1, 3)
 
@@ -125,6 +128,21 @@ class Solved(SceneTest):
             forces.append(self.solve(scene)["contact"]["joint"]["normal_force"])
         self.assertGreater(forces[0], 0.1)
         self.assertAlmostEqual(forces[1], forces[0], places=9)
+
+    def test_methods_relieve_each_other(self):
+        """A stiff body that little more than a soft one holds: Subspace Newton stalls, SMALSE brings it on its way again."""
+        for ranks in RANKS:
+            path = self.folder / "summary.json"
+            done = run_haptos([INPUTS / "two_beams.xml", "--set", "Materials->steel->Young's Modulus=69e12",
+                               "--output", self.folder / "result.exo", "--summary", path], ranks, self.folder)
+            self.assertEqual(done.status, 0, done)
+            summary = json.loads(path.read_text())
+            parts = re.findall(r"(Subspace Newton|SMALSE) \((\d+)\)", summary["solver"]["method"])
+            self.assertGreaterEqual(len(parts), 2, summary["solver"]["method"])
+            self.assertTrue(all(a[0] != b[0] for a, b in zip(parts, parts[1:])), parts)
+            self.assertLessEqual(sum(int(count) for _, count in parts), summary["solver"]["hessian_multiplications"])
+            self.assertLessEqual(summary["solver"]["hessian_multiplications"], 1000)
+            self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
 
     def test_overlap_within_the_gap(self):
         """A clamped pair that just touches is pinned, and the rest is solved."""
