@@ -185,32 +185,31 @@ void LocalSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::
   }
 }
 
+LocalSchur::Parts LocalSchur::columns(const std::vector<int>& c) const {
+  if (isSingle_) return {single_.Kbb.columns(c), single_.Kib.columns(c)};
+  const auto of = [&](const Eigen::SparseMatrix<double>& K) { return extract(K, complement(K.rows(), {}), c); };
+  return {of(double_.Kbb), of(double_.Kib)};
+}
+
 /// K_cc - K_ci K_ii^+ K_ic
-Eigen::MatrixXd LocalSchur::blockOf(const Parts& parts, const std::vector<int>& c) const {
+Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const {
+  const Parts K = columns(c);
   const Eigen::Index n = Eigen::Index(c.size());
   std::vector<int> position(std::size_t(size()), -1);
   for (Eigen::Index i = 0; i < n; ++i) position[std::size_t(c[std::size_t(i)])] = int(i);
   Eigen::MatrixXd S = Eigen::MatrixXd::Zero(n, n);
   for (Eigen::Index j = 0; j < n; ++j)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kbb, c[std::size_t(j)]); it; ++it)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(K.Kbb, j); it; ++it)
       if (position[std::size_t(it.row())] >= 0) S(position[std::size_t(it.row())], j) = it.value();
   if (!interior_) return S;
   for (Eigen::Index first = 0; first < n; first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, n - first);
-    Eigen::MatrixXd force = Eigen::MatrixXd::Zero(parts.Kib.rows(), width), motion(parts.Kib.rows(), width);
-    for (Eigen::Index j = 0; j < width; ++j)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kib, c[std::size_t(first + j)]); it; ++it)
-        force(it.row(), j) = it.value();
+    const Eigen::MatrixXd force = K.Kib.middleCols(first, width);
+    Eigen::MatrixXd motion(force.rows(), width);
     interior_->solve(force, motion);
-    for (Eigen::Index i = 0; i < n; ++i)
-      for (Eigen::SparseMatrix<double>::InnerIterator it(parts.Kib, c[std::size_t(i)]); it; ++it)
-        S.row(i).segment(first, width) -= it.value() * motion.row(it.row());
+    S.middleCols(first, width).noalias() -= K.Kib.transpose() * motion;
   }
   return 0.5 * (S + S.transpose());
-}
-
-Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const {
-  return isSingle_ ? blockOf({single_.Kbb.expanded(), single_.Kib.expanded()}, c) : blockOf(double_, c);
 }
 
 Eigen::MatrixXd LocalSchur::dense() const {

@@ -62,7 +62,7 @@ class LocalSchur {
   void keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior);
   void applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
   void applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
-  Eigen::MatrixXd blockOf(const Parts& parts, const std::vector<int>& c) const;
+  Parts columns(const std::vector<int>& c) const;  ///< [nb x c] and [interior x c]
 
   Parts double_;      // one of the two; the other is empty
   NodeParts single_;

@@ -116,18 +116,29 @@ void NodeBlockMatrix::subtractTransposed(const float* x, float* y) const {
   subtractTransposedColumns({numColumns(), starts_.data(), row_.data(), entries_.data()}, x, y);
 }
 
-Eigen::SparseMatrix<double> NodeBlockMatrix::expanded() const {
-  const int columns = numColumns();
+Eigen::SparseMatrix<double> NodeBlockMatrix::columns(const std::vector<int>& unknowns) const {
+  std::vector<int> position(std::size_t(3 * numColumns()), -1);
+  for (std::size_t i = 0; i < unknowns.size(); ++i) position[std::size_t(unknowns[i])] = int(i);
+  const auto isWanted = [&](int node) {
+    const int* of = position.data() + 3 * std::size_t(node);
+    return of[0] >= 0 || of[1] >= 0 || of[2] >= 0;
+  };
   std::vector<Eigen::Triplet<double>> triplets;
-  for (int j = 0; j < columns; ++j)
-    for (int k = starts_[std::size_t(j)]; k < starts_[std::size_t(j) + 1]; ++k)
+  const auto add = [&](int row, int column, double value) {
+    if (position[std::size_t(column)] >= 0) triplets.emplace_back(row, position[std::size_t(column)], value);
+  };
+  for (int j = 0; j < numColumns(); ++j)
+    for (int k = starts_[std::size_t(j)]; k < starts_[std::size_t(j) + 1]; ++k) {
+      const int i = row_[std::size_t(k)];
+      const bool isTwice = symmetric_ && i != j;
+      if (!isWanted(j) && !(isTwice && isWanted(i))) continue;
       for (int e = 0; e < kBlock; ++e) {
-        const int row = 3 * row_[std::size_t(k)] + e % 3, column = 3 * j + e / 3;
         const double value = unit_ * double(entries_[std::size_t(kBlock * k + e)]);
-        triplets.emplace_back(row, column, value);
-        if (symmetric_ && row_[std::size_t(k)] != j) triplets.emplace_back(column, row, value);
+        add(3 * i + e % 3, 3 * j + e / 3, value);
+        if (isTwice) add(3 * j + e / 3, 3 * i + e % 3, value);
       }
-  Eigen::SparseMatrix<double> A(3 * rows_, 3 * columns);
+    }
+  Eigen::SparseMatrix<double> A(3 * rows_, Eigen::Index(unknowns.size()));
   A.setFromTriplets(triplets.begin(), triplets.end());
   return A;
 }

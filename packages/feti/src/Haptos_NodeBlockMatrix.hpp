@@ -29,8 +29,8 @@ class NodeBlockMatrix {
   /// \brief y -= A^T x, y [4 x columns], x [4 x rows]; of a part that is not symmetric.
   void subtractTransposed(const float* x, float* y) const;
 
-  /// \brief [3 rows x 3 columns], of a symmetric part both triangles, entries as given to float precision.
-  Eigen::SparseMatrix<double> expanded() const;
+  /// \brief The columns of these unknowns, [3 rows x as many], of a symmetric part whole, entries as given to float precision.
+  Eigen::SparseMatrix<double> columns(const std::vector<int>& unknowns) const;
 
  private:
   int numColumns() const { return int(starts_.size()) - 1; }
