@@ -5,6 +5,7 @@
 #include <Teuchos_Assert.hpp>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "Haptos_StackedQr.hpp"
 
@@ -17,6 +18,9 @@ constexpr double kWindowFactor = 0.6;
 constexpr double kForcing = 0.2;       // linear residual of an inexact Newton step, relative
 constexpr double kWorthTrying = 0.9999; // the same of a further Gauss-Newton step: beyond, all of its trials would fail
 constexpr int kMaxLinear = 40;         // directions for one linearisation
+constexpr double kArmijo = 1e-4;        // descent asked of a step, relative to its length
+constexpr double kShortestStep = 1.0 / 40;
+constexpr double kHardlyLess = 0.98;    // a step that leaves so much is the last one
 constexpr double kRankTolerance = 1e-12;
 constexpr double kUnfelt = 1e-13;      // column of the small system
 constexpr double kPenalties[] = {1.0, 0.3, 0.1};  // r relative to the nodal stiffness, in the order of trial
@@ -155,67 +159,97 @@ bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) co
   return limits.stall > 0 && applications() - halvedAt_ >= long(linear_ ? kLinearPatience * patience : patience) * limits.stall;
 }
 
+// Where Gauss-Newton in the subspace stands: coefficients y of the pairs; the law there is the iteration's.
+struct SubspaceNewtonIter::Descent {
+  struct Candidate {
+    Eigen::VectorXd y;
+    Trial trial;
+  };
+  struct Search {
+    std::optional<Candidate> better;
+    double fullNorm;  // of the full step
+  };
+
+  SubspaceNewtonIter& iter;
+  const Eigen::VectorXd lambda0, s0;  // contact values at y = 0
+  const RecycledSubspace::Projected gluing0;
+  Eigen::VectorXd y;
+  double norm;
+
+  Descent(SubspaceNewtonIter& i, const NewtonState& state)
+      : iter(i),
+        lambda0(i.vectors_.contact(state.lambda)),
+        s0(i.vectors_.contact(state.s)),
+        gluing0(i.subspace_.projectGluing(i.vectors_.gluing(state.s))),
+        y(Eigen::VectorXd::Zero(i.subspace_.size())),
+        norm(i.norm_) {}
+
+  Eigen::VectorXd gluingAt(const Eigen::VectorXd& point) const {
+    return gluing0.inside + iter.subspace_.R().triangularView<Eigen::Upper>() * point;
+  }
+  Candidate at(const Eigen::VectorXd& point) const {
+    const double gluing2 = gluing0.outside2() + gluingAt(point).squaredNorm();
+    return {point, iter.evaluate(lambda0 + iter.subspace_.Vc() * point, s0 + iter.subspace_.Sc() * point, gluing2)};
+  }
+  void moveTo(Candidate&& candidate) {
+    y = std::move(candidate.y);
+    norm = candidate.trial.norm;
+    iter.law_ = std::move(candidate.trial.law);
+  }
+  // What a full step would leave of the residual if the law were linear.
+  double promise(const SmallSystem& system, const Eigen::VectorXd& dy) const {
+    return std::hypot(std::sqrt(gluing0.outside2()), system.residual(dy)) / norm;
+  }
+  Search search(const SmallSystem& system, const Eigen::VectorXd& dy) const;
+};
+
+// Along dy as far as it descends, else damped steps.
+SubspaceNewtonIter::Descent::Search SubspaceNewtonIter::Descent::search(const SmallSystem& system, const Eigen::VectorXd& dy) const {
+  double fullNorm = 0;
+  for (double t = 1; t > kShortestStep; t /= 2) {
+    Candidate candidate = at(y + t * dy);
+    if (t == 1) fullNorm = candidate.trial.norm;
+    if (candidate.trial.norm < (1 - kArmijo * t) * norm) return {std::move(candidate), fullNorm};
+  }
+  if (!iter.linear_)
+    for (double mu : {1e-3, 1e-2, 1e-1, 1.0}) {
+      Candidate candidate = at(y + system.solve(mu));
+      if (candidate.trial.norm < (1 - kArmijo) * norm) return {std::move(candidate), fullNorm};
+    }
+  return {std::nullopt, fullNorm};
+}
+
 // Gauss-Newton inside the subspace.
 void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
-  const Eigen::VectorXd lambda0 = vectors_.contact(state.lambda), s0 = vectors_.contact(state.s);
-  const auto projected = subspace_.projectGluing(vectors_.gluing(state.s));
-  const Eigen::VectorXd& q0 = projected.inside;
-  const double outside2 = projected.outside2();
-  const auto R = subspace_.R().triangularView<Eigen::Upper>();
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(subspace_.size()), q = q0;
-  const auto at = [&](const Eigen::VectorXd& yNew) {
-    const Eigen::VectorXd qNew = q0 + R * yNew;
-    return evaluate(lambda0 + subspace_.Vc() * yNew, s0 + subspace_.Sc() * yNew, outside2 + qNew.squaredNorm());
-  };
-  double current = norm_;
-  const auto take = [&](const Eigen::VectorXd& yNew, Trial&& trial) {
-    y = yNew;
-    q = q0 + R * y;
-    law_ = std::move(trial.law);
-    current = trial.norm;
-  };
-  if (step_.size() == y.size()) {
-    const Eigen::VectorXd whole = step_;
-    Trial trial = at(whole);
-    if (trial.norm < current) take(whole, std::move(trial));
+  Descent descent(*this, state);
+  if (step_.size() == descent.y.size()) {
+    Descent::Candidate planned = descent.at(step_);
+    if (planned.trial.norm < descent.norm) descent.moveTo(std::move(planned));
     step_.resize(0);
   }
   for (int step = 0; step < kGaussNewtonSteps; ++step) {
-    const SmallSystem system = smallSystem(law_, q);
+    const SmallSystem system = smallSystem(law_, descent.gluingAt(descent.y));
     const Eigen::VectorXd dy = system.solve();
     // The subspace does not carry this linearisation: new directions first.
-    const double promised = std::hypot(std::sqrt(outside2), system.residual(dy)) / current;
-    if (step > 0 && promised > (linear_ ? kForcing : kWorthTrying)) break;
-    Trial trial = at(y + dy);
-    const double fullNorm = trial.norm;
-    double t = 1;
-    while (t > 1.0 / 40 && !(trial.norm < (1 - 1e-4 * t) * current)) trial = at(y + (t /= 2) * dy);
-    bool descends = t > 1.0 / 40;
-    Eigen::VectorXd yNew = y + t * dy;
-    for (double mu : {1e-3, 1e-2, 1e-1, 1.0}) {
-      if (descends || linear_) break;
-      yNew = y + system.solve(mu);
-      trial = at(yNew);
-      descends = trial.norm < (1 - 1e-4) * current;
+    if (step > 0 && descent.promise(system, dy) > (linear_ ? kForcing : kWorthTrying)) break;
+    Descent::Search found = descent.search(system, dy);
+    if (found.better) {
+      const double reduction = found.better->trial.norm / descent.norm;
+      descent.moveTo(std::move(*found.better));
+      if (reduction > kHardlyLess && !linear_) break;
+      continue;
     }
-    if (!descends) {
-      // A full step without descent lets the active set move; bounded by the best residual so far.
-      if (step > 0 || !(linear_ || fullNorm < 3 * bestNorm_)) break;
-      const Eigen::VectorXd whole = y + dy;
-      take(whole, at(whole));
-      if (linear_) continue;
-      break;
-    }
-    const double reduction = trial.norm / current;
-    take(yNew, std::move(trial));
-    if (reduction > 0.98 && !linear_) break;
+    // A full step without descent lets the active set move; bounded by the best residual so far.
+    if (step > 0 || !(linear_ || found.fullNorm < 3 * bestNorm_)) break;
+    descent.moveTo(descent.at(descent.y + dy));
+    if (!linear_) break;
   }
-  subspace_.addCombination(y, state.lambda, state.s);
+  subspace_.addCombination(descent.y, state.lambda, state.s);
 }
 
-bool SubspaceNewtonIter::progressIsPoor() const {
+bool SubspaceNewtonIter::isPoor() const {
   const std::size_t n = window_.size();
-  return int(n) > kWindow && window_[n - 1] > kWindowFactor * window_[n - 1 - kWindow];
+  return !linear_ && int(n) > kWindow && window_[n - 1] > kWindowFactor * window_[n - 1 - kWindow];
 }
 
 // A slow way that is nearly done is shorter than a new one.
@@ -255,8 +289,7 @@ void SubspaceNewtonIter::chooseMode(double before) {
   }
 }
 
-NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits,
-                                       bool needsDirection) {
+void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonState& state) {
   pairs_ = &pairs;
   firstApplication_ = dual_.F->applications();
   linear_ = idle_ = false;
@@ -266,40 +299,55 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
   linearize(state);
   bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
   halvedAt_ = 0;
+}
+
+bool SubspaceNewtonIter::isAccepted(const NewtonState& state, const NewtonLimits& limits) const {
+  const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
+  return limits.accept ? limits.accept(state.lambda, state.s, relative) : relative <= limits.tolerance;
+}
+
+void SubspaceNewtonIter::noteHalving() {
+  if (!(norm_ < 0.5 * halved_)) return;
+  halved_ = norm_;
+  halvedAt_ = applications();
+}
+
+// A model of the direction may help where the pairs do not.
+bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
+  return hasStalled(limits, 1) || (isPoor() && direction_.mayHaveModel() && !hasMorePenalties() && !isNearlyThere(limits));
+}
+
+// One step: a direction, or directions for the frozen linearisation, and Gauss-Newton in what there is then.
+void SubspaceNewtonIter::advance(NewtonState& state, const NewtonLimits& limits, bool needsDirection) {
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(state.lambda.size());
+  if (linear_) linearPass(state, limits, std::max(kForcing * norm_, 0.3 * limits.tolerance * limits.reference));
+  else if (needsDirection) addDirection(zero, zero, state);
+  const double before = norm_;
+  solveInSubspace(state);
+  measure(state);  // the norm in the subspace is a difference
+  chooseMode(before);
+}
+
+NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits,
+                                       bool needsDirection) {
+  begin(pairs, state);
   NewtonState best = state;
   NewtonStop stop = NewtonStop::Limit;
   for (;; ++steps_) {
     window_.push_back(norm_);
-    if (norm_ < bestNorm_) {
-      bestNorm_ = norm_;
-      best = state;
-    }
-    const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
-    const bool done = limits.accept ? limits.accept(state.lambda, state.s, relative) : relative <= limits.tolerance;
-    if (done) {
-      best = state;
-      stop = NewtonStop::Converged;
-      break;
-    }
-    if (applications() >= limits.maxApplications) break;
-    if (norm_ < 0.5 * halved_) {
-      halved_ = norm_;
-      halvedAt_ = applications();
-    }
-    const bool stalled = hasStalled(limits, 1), poor = !linear_ && progressIsPoor();
-    if (stalled || (poor && direction_.mayHaveModel() && !hasMorePenalties() && !isNearlyThere(limits))) {
+    const bool done = isAccepted(state, limits);
+    if (done || norm_ < bestNorm_) best = state;
+    bestNorm_ = std::min(bestNorm_, norm_);
+    if (done) stop = NewtonStop::Converged;
+    if (done || applications() >= limits.maxApplications) break;
+    noteHalving();
+    if (isStuck(limits)) {
       stop = direction_.mayHaveModel() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
-    if (poor) leavePlateau(state);
-    const Eigen::VectorXd zero = Eigen::VectorXd::Zero(state.lambda.size());
-    if (linear_) linearPass(state, limits, std::max(kForcing * norm_, 0.3 * limits.tolerance * limits.reference));
-    else if (needsDirection) addDirection(zero, zero, state);
+    if (isPoor()) leavePlateau(state);
+    advance(state, limits, needsDirection);
     needsDirection = true;
-    const double before = norm_;
-    solveInSubspace(state);
-    measure(state);  // the norm in the subspace is a difference
-    chooseMode(before);
   }
   state = std::move(best);
   linearize(state);

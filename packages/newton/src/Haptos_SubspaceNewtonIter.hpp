@@ -49,7 +49,10 @@ class SubspaceNewtonIter {
  private:
   struct SmallSystem;
   struct Trial;
+  struct Descent;
 
+  void begin(const std::vector<PairLaw>& pairs, const NewtonState& state);
+  void advance(NewtonState& state, const NewtonLimits& limits, bool needsDirection);
   void linearize(const NewtonState& state);
   void measure(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
@@ -57,11 +60,14 @@ class SubspaceNewtonIter {
   void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
   void solveInSubspace(NewtonState& state);
+  void noteHalving();
+  bool isAccepted(const NewtonState& state, const NewtonLimits& limits) const;
+  bool isStuck(const NewtonLimits& limits) const;
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
   bool isNearlyThere(const NewtonLimits& limits) const;
   bool hasMorePenalties() const;
-  bool progressIsPoor() const;
+  bool isPoor() const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
   Trial evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const;
   SmallSystem smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const;

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_AutomaticSolver.hpp"
 
+#include "Haptos_KktEstimator.hpp"
+
 namespace Haptos {
 
 AutomaticSolver::AutomaticSolver(SolverContext context, const Teuchos::ParameterList& parameters)
@@ -34,11 +36,21 @@ bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   return passed;
 }
 
-bool AutomaticSolver::solve(const SolveRequest& request) {
+// Whether there is more to gain than round-off hides.
+bool AutomaticSolver::keepIfBest(const ContactSolver& solver) {
+  const DualSolution& solution = solver.solution();
+  KktEstimator estimator(context_.system, context_.loads, KktEstimator::Balance::Sought);
+  estimator.estimate(*solution.lambda, *solution.s, 0.0);
+  if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.reason(), estimator.kkt()};
+  return !estimator.isRoundOff();
+}
+
+bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   constexpr double kStatesSettled = 1e-3;
+  const auto needsHelp = [&] { return keepIfBest(newton_) && newton_.gaveUp(); };
   if (current_ == &newton_) {
     if (run(newton_, request)) return true;
-    if (!newton_.gaveUp()) return false;
+    if (!needsHelp()) return false;
   }
   if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseParameters_, newton_.solution().lambda);
   if (!handedBack_) {
@@ -46,9 +58,16 @@ bool AutomaticSolver::solve(const SolveRequest& request) {
     if (!run(*smalse_, {std::max(kStatesSettled, request.tolerance), request.maximumMultiplications})) return false;
     newton_.startFrom(smalse_->solution());
     if (run(newton_, request)) return true;
-    if (!newton_.gaveUp()) return false;
+    if (!needsHelp()) return false;
   }
   return run(*smalse_, request);
+}
+
+bool AutomaticSolver::solve(const SolveRequest& request) {
+  const bool passed = tryInTurn(request);
+  if (passed) best_.reset();
+  else if (current_ != &newton_) keepIfBest(*current_);
+  return passed;
 }
 
 }  // namespace Haptos

@@ -2,6 +2,7 @@
 #pragma once
 #include <Teuchos_ParameterList.hpp>
 #include <memory>
+#include <optional>
 
 #include "Haptos_SmalseContactSolver.hpp"
 #include "Haptos_SubspaceNewtonSolver.hpp"
@@ -10,7 +11,8 @@ namespace Haptos {
 
 /// \brief Subspace Newton; where it gives up, SMALSE settles the states of contact and hands back.
 ///
-/// If Newton gives up a second time, SMALSE goes on to the end.  `name` tells who did how many multiplications.
+/// If Newton gives up a second time, SMALSE goes on to the end; where round-off stops Newton, nobody does.  Without success
+/// the best of what the methods came to is the solution.  `name` tells who did how many multiplications.
 class AutomaticSolver final : public ContactSolver {
  public:
   /// \param parameters the list Solver
@@ -18,15 +20,23 @@ class AutomaticSolver final : public ContactSolver {
 
   std::string name() const override;
   bool solve(const SolveRequest& request) override;
-  const DualSolution& solution() const override { return current_->solution(); }
-  const std::string& reason() const override { return current_->reason(); }
+  const DualSolution& solution() const override { return best_ ? best_->solution : current_->solution(); }
+  const std::string& reason() const override { return best_ ? best_->reason : current_->reason(); }
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override { return history_; }
   SubspaceReport subspace() const override { return newton_.subspace(); }
   DeflationReport deflation() const override { return newton_.deflation(); }
 
  private:
+  struct Attempt {
+    DualSolution solution;
+    std::string reason;
+    double kkt;  // as KktEstimator sees it
+  };
+
+  bool tryInTurn(const SolveRequest& request);
   bool run(ContactSolver& solver, const SolveRequest& request);
+  bool keepIfBest(const ContactSolver& solver);
 
   SolverContext context_;
   Teuchos::ParameterList smalseParameters_;
@@ -34,6 +44,7 @@ class AutomaticSolver final : public ContactSolver {
   std::unique_ptr<SmalseContactSolver> smalse_;
   ContactSolver* current_;
   bool handedBack_ = false;
+  std::optional<Attempt> best_;  // of those that failed, until one succeeds
   std::vector<std::pair<std::string, long>> work_;  // who, multiplications
   std::vector<HistoryEntry> history_;
 };

@@ -8,7 +8,7 @@ namespace Haptos {
 /// \brief kkt as a dual method can see it, from lambda and s = B u - c, without the element matrices.
 ///
 /// The largest displacement is recovered (one local solve a subdomain, no F) at the first call, and again where
-/// the estimate passes the tolerance, unless it would with a quarter of that displacement.  The final accuracy is measured
+/// the estimate passes the tolerance, unless it would with a quarter of that displacement; always if the tolerance was lowered.  The final accuracy is measured
 /// elsewhere, from u.
 class KktEstimator {
  public:
@@ -25,6 +25,7 @@ class KktEstimator {
   double estimate(const Vector& lambda, const Vector& s, double tolerance);
 
   double kkt() const { return kkt_; }                ///< at the last estimate, floor or not
+  bool isRoundOff() const { return kkt_ <= 100 * hidden(); }  ///< whether more work can hardly lower it
   double contactForce() const { return contactForce_; }  ///< l_ref at the last estimate [force]
 
  private:
@@ -41,7 +42,7 @@ class KktEstimator {
   const FetiSystem& system_;
   const LoadScales& loads_;
   bool isBalanced_, isWithoutForce_ = false;
-  double uRef_ = -1, roundOff_ = 0, floor_ = 0, kkt_ = 0, contactForce_ = 0;
+  double uRef_ = -1, firstTolerance_ = 0, roundOff_ = 0, floor_ = 0, kkt_ = 0, contactForce_ = 0;
 };
 
 }  // namespace Haptos

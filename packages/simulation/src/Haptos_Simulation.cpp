@@ -242,7 +242,8 @@ SimulationResult Simulation::solve() {
     const double kkt = accuracy.errors.kkt();
     if (kkt <= tolerance || !passed) break;
     if (accuracy.floor > tolerance) break;
-    request *= std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    // A lower request makes the method look at its scale of displacements again, which mostly is all that was wrong.
+    request *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   const bool solved = accuracy.errors.kkt() <= tolerance;
   report_.solver.status = solved ? "converged" : "not converged";
