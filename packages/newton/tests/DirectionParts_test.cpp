@@ -1,0 +1,157 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// What a direction is balanced by and started from, against dense formulas.
+#include <Teuchos_UnitTestHarness.hpp>
+
+#include "DenseContact.hpp"
+#include "Haptos_BalanceProjections.hpp"
+#include "Haptos_Continuation.hpp"
+#include "Haptos_FoundationStart.hpp"
+
+namespace {
+
+using namespace HaptosTest;
+
+constexpr int kGroups = 8, kGluing = 20;
+
+/// Vectors and balance of a dense problem, and its G^T by kinds of rows.
+struct Parts {
+  Setup setup;
+  const ContactOperators& dual;
+  DualVectors vectors;
+  GluingBalance balance;
+  DenseMatrix GT, gluingGT;  // [rows x l], without contact rows
+
+  explicit Parts(bool floating)
+      : setup(makeContact(kGroups, kGluing, floating, 5)),
+        dual(setup.problem->operators()),
+        vectors(setup.map, dual.pairs, dual.gluingRows),
+        balance(dual, vectors),
+        GT(setup.d.GT),
+        gluingGT(GT) {
+    gluingGT.topRows(3 * kGroups).setZero();
+  }
+
+  Eigen::VectorXd local(const DenseVector& all) const { return DualVectors::fromVector(*setup.vectorOf(all)); }
+  DenseVector global(const Eigen::VectorXd& mine) const { return gather(*vectors.toVector(mine)); }
+};
+
+DenseVector numbers(Eigen::Index n, double phase) {
+  return DenseVector::NullaryExpr(n, [phase](Eigen::Index i) { return std::sin(phase + 2.3 * double(i * i % 17)); });
+}
+
+DenseVector leastChange(const DenseMatrix& GT, const DenseVector& missing) {
+  return GT * (GT.transpose() * GT).completeOrthogonalDecomposition().solve(missing);
+}
+
+TEUCHOS_UNIT_TEST(GluingBalance, ChangesGluingRowsByTheLeast) {
+  Parts t(false);
+  const DenseVector v = numbers(t.GT.rows(), 0.4), target = numbers(t.GT.cols(), 1.7);
+  Eigen::VectorXd balanced = t.local(v);
+  t.balance.balance(balanced, target);
+  const DenseVector expected = v + leastChange(t.gluingGT, target - t.GT.transpose() * v);
+  TEST_COMPARE((t.global(balanced) - expected).norm(), <, 1e-10 * expected.norm());
+  TEST_COMPARE((t.balance.applyG(balanced) - target).norm(), <, 1e-10 * target.norm());
+}
+
+TEUCHOS_UNIT_TEST(GluingBalance, RigidPartsLeaveNoGluingJump) {
+  for (const bool floating : {false, true}) {
+    Parts t(floating);
+    const DenseVector s = numbers(t.GT.rows(), 0.9);
+    Eigen::VectorXd freed = t.local(s);
+    t.balance.removeRigidPart(freed);
+    const DenseVector after = t.global(freed), change = after - s;
+    TEST_COMPARE((t.gluingGT.transpose() * after).norm(), <, 1e-10 * s.norm());
+    const DenseVector a = t.GT.colPivHouseholderQr().solve(change);
+    TEST_COMPARE((t.GT * a - change).norm(), <, 1e-10 * change.norm());  // a rigid motion of something
+    if (floating) TEST_COMPARE((t.setup.d.Z.transpose() * a).norm(), <, 1e-9 * a.norm());  // but not of what contact alone holds
+    TEST_COMPARE(change.norm(), >, 1e-2 * s.norm());
+  }
+}
+
+TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
+  Parts held(false), t(true);
+  TEST_EQUALITY(held.balance.numFloating(), 0);
+  TEST_EQUALITY(t.balance.numFloating(), 6);
+  DenseMatrix HH = t.balance.H().transpose() * t.balance.H();
+  t.vectors.sum(HH);
+  const DenseMatrix contactGT = t.GT.topRows(3 * kGroups) * t.setup.d.Z;
+  // the same span: eigenvalues do not depend on the basis as long as it is orthonormal
+  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ours(HH), dense(DenseMatrix(contactGT.transpose() * contactGT));
+  TEST_COMPARE((ours.eigenvalues() - dense.eigenvalues()).norm(), <, 1e-10 * dense.eigenvalues().norm());
+}
+
+// With all pairs open the projection knows gluing rows alone; with all stuck every row.
+TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
+  Parts t(false);
+  const DenseVector diagonal = numbers(t.GT.rows(), 2.1).cwiseAbs() + DenseVector::Constant(t.GT.rows(), 0.1);
+  const Eigen::VectorXd weights = t.local(diagonal), r = Eigen::VectorXd::Ones(t.vectors.numPairs());
+  ActiveCoarseProjection projection(t.dual, t.balance, t.vectors, weights);
+  for (const bool stuck : {false, true}) {
+    Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * t.vectors.numPairs());
+    for (Eigen::Index i = 0; i < forces.size(); i += 3) forces[i] = stuck ? 5.0 : -5.0;
+    const auto law = linearizeLaw(t.dual.pairs, forces, Eigen::VectorXd::Zero(forces.size()), r);
+    std::vector<TangentialModes> modes;
+    for (const auto& dP : law.dP) modes.push_back(TangentialModes::of(dP, 1.0, 1.0));
+    projection.renew(law, modes);
+    const DenseVector residual = numbers(t.GT.rows(), 0.2);
+    Eigen::VectorXd mine = t.local(residual);
+    projection.projectDual(mine);
+    const DenseVector after = t.global(mine);
+    const DenseMatrix& active = stuck ? t.GT : t.gluingGT;
+    TEST_COMPARE((active.transpose() * diagonal.cwiseProduct(after)).norm(), <, 1e-5 * residual.norm());  // single precision
+    const DenseVector change = after - residual, a = active.colPivHouseholderQr().solve(change);
+    TEST_COMPARE((active * a - change).norm(), <, 1e-9 * residual.norm());
+    TEST_COMPARE(change.norm(), >, 1e-2 * residual.norm());
+  }
+}
+
+// Bodies on springs at the pairs: the forces obey the law and carry what acts on the motions.
+TEUCHOS_UNIT_TEST(FoundationStart, ForcesObeyTheLawAndCarryTheLoad) {
+  Parts t(true);
+  const Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * t.vectors.numPairs()), r = Eigen::VectorXd::Constant(t.vectors.numPairs(), 3.0);
+  const FoundationState state = solveFoundation(t.dual.pairs, x, r, t.balance, t.vectors);
+  TEST_COMPARE(state.residual, <, 1e-10);
+  Eigen::VectorXd carried = t.balance.H().transpose() * state.forces;
+  t.vectors.sum(carried);
+  TEST_COMPARE((carried - t.balance.load()).norm(), <, 1e-9 * t.balance.load().norm());
+  double slipping = 0;
+  for (std::size_t i = 0; i < t.dual.pairs.size(); ++i) {
+    const Eigen::Vector3d P = state.forces.segment<3>(3 * Eigen::Index(i));
+    const auto& F = t.dual.pairs[i].coefficients;
+    TEST_COMPARE(P[0], >=, 0.0);
+    const double use = P[0] > 0 ? std::hypot(P[1] / (F[0] * P[0]), P[2] / (F[1] * P[0])) : P.norm();
+    TEST_COMPARE(use, <=, 1 + 1e-9);
+    slipping += use > 1 - 1e-9;
+    // and they are the law's answer to the springs
+    const Eigen::Vector3d spring = 3.0 * (t.balance.H() * state.a).segment<3>(3 * Eigen::Index(i));
+    const auto law = linearizeLaw({t.dual.pairs[i]}, spring, Eigen::Vector3d::Zero(), Eigen::VectorXd::Ones(1));
+    TEST_COMPARE((spring - law.phi - P).norm(), <, 1e-9 * (1 + P.norm()));
+  }
+  out << t.vectors.sum(slipping) << " pairs at the limit of friction\n";
+}
+
+TEUCHOS_UNIT_TEST(Continuation, EllipsesAreRoundedFromOutside) {
+  const auto comm = Tpetra::getDefaultComm();
+  std::vector<PairLaw> pairs;
+  pairs.push_back({0, {1, 2}, {0.4, 0.1}, 0, FrictionLaw::Coulomb, false});
+  pairs.push_back({3, {4, 5}, {0.0, 0.3}, 0, FrictionLaw::Coulomb, false});
+  TEST_FLOATING_EQUALITY(largestAxisRatio(pairs, *comm), 4.0, 1e-14);
+  if (comm->getRank() == comm->getSize() - 1) pairs[0].coefficients = {1e-3, 0.4};  // one rank's pair is everybody's
+  TEST_FLOATING_EQUALITY(largestAxisRatio(pairs, *comm), 400.0, 1e-12);
+  pairs[0].coefficients = {1e-3, 0.4};
+
+  const auto levels = axisRatioLevels(pairs, 400, 10, 4);
+  TEST_EQUALITY(levels.size(), 3);  // at most 10, 40, 160
+  double most = 10;
+  for (const auto& level : levels) {
+    TEST_FLOATING_EQUALITY(level[0].coefficients[0], 0.4 / most, 1e-12);
+    TEST_EQUALITY(level[0].coefficients[1], 0.4);
+    TEST_EQUALITY(level[1].coefficients[0], 0.0);  // no friction stays none
+    TEST_EQUALITY(level[1].coefficients[1], 0.3);
+    most *= 4;
+  }
+  TEST_EQUALITY(scaledCoefficients(pairs, 1.5)[0].coefficients[1], 0.4 * 1.5);
+  TEST_ASSERT(axisRatioLevels(pairs, 9, 10, 4).empty());
+}
+
+}  // namespace
