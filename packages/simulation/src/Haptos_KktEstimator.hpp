@@ -8,8 +8,8 @@ namespace Haptos {
 /// \brief kkt as a dual method can see it, from lambda and s = B u - c, without the element matrices.
 ///
 /// The largest displacement is recovered (one local solve a subdomain, no F) at the first call, and again where
-/// the estimate passes the tolerance, unless it would with a quarter of that displacement; always if the tolerance was lowered.  The final accuracy is measured
-/// elsewhere, from u.
+/// the estimate passes the tolerance, unless it would with a quarter of that displacement; always if the tolerance was
+/// lowered.  The final accuracy is measured elsewhere, from u.
 class KktEstimator {
  public:
   /// \brief Whether the method keeps G lambda = e by itself: equilibrium is then looked at only where all else passes.
@@ -25,7 +25,7 @@ class KktEstimator {
   double estimate(const Vector& lambda, const Vector& s, double tolerance);
 
   double kkt() const { return kkt_; }                ///< at the last estimate, floor or not
-  bool isRoundOff() const { return kkt_ <= 100 * hidden(); }  ///< whether more work can hardly lower it
+  bool isRoundOff() const { return kkt_ <= 30 * hidden(); }  ///< within three times the floor: more work can hardly lower it
   double contactForce() const { return contactForce_; }  ///< l_ref at the last estimate [force]
 
  private:

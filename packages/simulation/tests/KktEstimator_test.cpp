@@ -106,7 +106,7 @@ TEUCHOS_UNIT_TEST(KktEstimator, KnowsRoundOff) {
   auto estimator = run.estimator(KktEstimator::Balance::Sought);
   estimator.estimate(*run.result.dual.lambda, *run.result.dual.s, 0.0);
   out << "kkt " << estimator.kkt() << ", measured " << run.measured() << ", floor " << run.result.report.accuracy.floor << "\n";
-  TEST_COMPARE(run.measured(), <, 10 * run.result.report.accuracy.floor);
+  TEST_COMPARE(run.measured(), <, 3 * run.result.report.accuracy.floor);
   TEST_ASSERT(estimator.isRoundOff());
 }
 
