@@ -18,6 +18,16 @@ def sliding(force):
     return scene
 
 
+def two_beams(test, ranks, status=0, **values):
+    """Summary of inputs/two_beams.xml with other values, by path: `__` for `->`, `_` for a blank."""
+    path = test.folder / "summary.json"
+    sets = [word for name, value in values.items()
+            for word in ("--set", "%s=%s" % (name.replace("__", "->").replace("_", " "), value))]
+    done = run_haptos([INPUTS / "two_beams.xml", *sets, "--output", test.folder / "result.exo", "--summary", path], ranks, test.folder)
+    test.assertEqual(done.status, status, done)
+    return json.loads(path.read_text())
+
+
 class NoSolution(SceneTest):
     def has_no_solution(self, scene, *parts):
         for ranks in RANKS:
@@ -129,20 +139,11 @@ class Solved(SceneTest):
         self.assertGreater(forces[0], 0.1)
         self.assertAlmostEqual(forces[1], forces[0], places=9)
 
-    def two_beams(self, ranks, **values):
-        """Summary of inputs/two_beams.xml with other values, by path with `__` for `->`."""
-        path = self.folder / "summary.json"
-        sets = [word for name, value in values.items()
-                for word in ("--set", "%s=%s" % (name.replace("__", "->").replace("_", " "), value))]
-        done = run_haptos([INPUTS / "two_beams.xml", *sets, "--output", self.folder / "result.exo", "--summary", path], ranks, self.folder)
-        self.assertEqual(done.status, 0, done)
-        return json.loads(path.read_text())
-
     def test_methods_relieve_each_other(self):
         """Axis ratios of 3000 with few pairs: Subspace Newton stalls, SMALSE brings it on its way again."""
         for coefficients in ("{0.3,1e-4}", "{3.0,1e-3}"):
             for ranks in RANKS:
-                summary = self.two_beams(ranks, Contact__interface__Friction__Coefficients=coefficients, Solver__Maximum_Recycled_Pairs=20)
+                summary = two_beams(self, ranks, Contact__interface__Friction__Coefficients=coefficients, Solver__Maximum_Recycled_Pairs=20)
                 parts = re.findall(r"(Subspace Newton|SMALSE) \((\d+)\)", summary["solver"]["method"])
                 self.assertGreaterEqual(len(parts), 2, summary["solver"]["method"])
                 self.assertTrue(all(a[0] != b[0] for a, b in zip(parts, parts[1:])), parts)
@@ -154,7 +155,7 @@ class Solved(SceneTest):
         """A stiff body on a soft one moves far before contact holds it: errors are not measured by what it moved at first."""
         for contrast in ("69e9", "69e12", "69e14"):
             for ranks in RANKS:
-                summary = self.two_beams(ranks, **{"Materials__steel__Young's_Modulus": contrast})
+                summary = two_beams(self, ranks, **{"Materials__steel__Young's_Modulus": contrast})
                 self.assertEqual(summary["solver"]["method"], "Subspace Newton")
                 self.assertLessEqual(summary["solver"]["hessian_multiplications"], 60)
                 self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
@@ -198,11 +199,7 @@ class NotConverged(SceneTest):
     def test_what_was_reached_is_kept(self):
         """1e-14 is below round-off: no other method may throw away what the first one came to."""
         for ranks in RANKS:
-            path = self.folder / "summary.json"
-            done = run_haptos([INPUTS / "two_beams.xml", "--set", "Solver->Relative Tolerance=1e-14", "--set",
-                               "Solver->Maximum Hessian Multiplications=600", "--summary", path], ranks, self.folder)
-            self.assertEqual(done.status, 2, done)
-            summary = json.loads(path.read_text())
+            summary = two_beams(self, ranks, 2, Solver__Relative_Tolerance=1e-14, Solver__Maximum_Hessian_Multiplications=600)
             self.assertLessEqual(summary["accuracy"]["kkt"], 1e-12)
             self.assertLess(summary["solver"]["hessian_multiplications"], 600)
             self.assertIn("round-off forbids less than about", summary["solver"]["reason"])

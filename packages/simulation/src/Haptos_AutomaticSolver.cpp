@@ -36,18 +36,19 @@ bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   return passed;
 }
 
-// Whether there is more to gain than round-off hides.
-bool AutomaticSolver::keepIfBest(const ContactSolver& solver) {
+void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
   const DualSolution& solution = solver.solution();
   KktEstimator estimator(context_.system, context_.loads, KktEstimator::Balance::Sought);
   estimator.estimate(*solution.lambda, *solution.s, 0.0);
-  if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.reason(), estimator.kkt()};
-  return !estimator.isRoundOff();
+  if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.reason(), estimator.kkt(), estimator.isRoundOff()};
 }
 
 bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   constexpr double kStatesSettled = 1e-3;
-  const auto needsHelp = [&] { return keepIfBest(newton_) && newton_.gaveUp(); };
+  const auto needsHelp = [&] {
+    keepIfBest(newton_);
+    return newton_.gaveUp() && !best_->isRoundOff;
+  };
   if (current_ == &newton_) {
     if (run(newton_, request)) return true;
     if (!needsHelp()) return false;

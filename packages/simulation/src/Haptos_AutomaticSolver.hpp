@@ -32,11 +32,12 @@ class AutomaticSolver final : public ContactSolver {
     DualSolution solution;
     std::string reason;
     double kkt;  // as KktEstimator sees it
+    bool isRoundOff;
   };
 
   bool tryInTurn(const SolveRequest& request);
   bool run(ContactSolver& solver, const SolveRequest& request);
-  bool keepIfBest(const ContactSolver& solver);
+  void keepIfBest(const ContactSolver& solver);
 
   SolverContext context_;
   Teuchos::ParameterList smalseParameters_;
