@@ -4,19 +4,16 @@
 #include <unistd.h>
 
 #include <Teuchos_Comm.hpp>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <iostream>
 #include <limits>
 
+#include "Haptos_RunClock.hpp"
+
 namespace Haptos {
 
 namespace {
-
-double wallSeconds() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
 
 Progress::Options programOptions() {
   Progress::Options options;

@@ -10,13 +10,9 @@
 
 namespace Haptos {
 
-namespace {
-
 double wallSeconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
-
-}  // namespace
 
 const char* phaseName(Phase phase) {
   static const char* const names[numPhases] = {"read",   "decompose", "assemble", "factor",

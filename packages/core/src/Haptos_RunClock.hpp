@@ -29,6 +29,9 @@ struct CommunicationReport {
   std::array<CommunicationCounts, numPhases> largestOfPhase;  ///< entry by entry the largest of the ranks
 };
 
+/// \brief Seconds of a steady clock, since any fixed moment.
+double wallSeconds();
+
 /// \brief Measures how long this rank spends, and what it sends, in every phase.
 ///
 /// A phase that starts inside another one stops the outer one until it ends, so no second counts twice and

@@ -48,21 +48,27 @@ void RemoteRows::addToOwners(const MultiVector& remote, MultiVector& y) const {
   if (!isAlone_) y.doExport(remote, *importer_, Tpetra::ADD);
 }
 
+void RemoteRows::makeVectors() const {
+  if (!ownValues_.is_null()) return;
+  ownValues_ = Teuchos::rcp(new Vector(map_));
+  remoteValues_ = Teuchos::rcp(new Vector(remoteMap_));
+}
+
 Eigen::VectorXd RemoteRows::fetch(const Eigen::VectorXd& owned) const {
   if (isAlone_) return {};
-  Vector x(map_), remote(remoteMap_);
-  copyTo(x, owned);
-  fetch(x, remote);
-  return valuesOf(remote);
+  makeVectors();
+  copyTo(*ownValues_, owned);
+  fetch(*ownValues_, *remoteValues_);
+  return valuesOf(*remoteValues_);
 }
 
 void RemoteRows::addToOwners(const Eigen::VectorXd& remote, Eigen::VectorXd& owned) const {
   if (isAlone_) return;
-  Vector x(map_), others(remoteMap_);
-  copyTo(x, owned);
-  copyTo(others, remote);
-  addToOwners(others, x);
-  owned = valuesOf(x);
+  makeVectors();
+  copyTo(*ownValues_, owned);
+  copyTo(*remoteValues_, remote);
+  addToOwners(*remoteValues_, *ownValues_);
+  owned = valuesOf(*ownValues_);
 }
 
 }  // namespace Haptos

@@ -35,10 +35,13 @@ class RemoteRows {
   /// @}
 
  private:
+  void makeVectors() const;
+
   RCP<const Map> map_, remoteMap_;
   RCP<const Tpetra::Import<>> importer_;
   std::size_t numOwned_;
   bool isAlone_;
+  mutable RCP<Vector> ownValues_, remoteValues_;  // of arrays; made where they are needed first
 };
 
 }  // namespace Haptos

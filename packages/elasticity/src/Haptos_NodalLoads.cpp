@@ -146,13 +146,4 @@ void addPressure(const Coordinates& coordinates, const ElementGroup& group,
                   });
 }
 
-void addNodalAreas(const Coordinates& coordinates, const ElementGroup& group,
-                   const std::vector<GroupSide>& sides, Eigen::Ref<Eigen::VectorXd> areas) {
-  TEUCHOS_ASSERT(areas.size() == Index(coordinates.size()));
-  visitSidePoints(coordinates, group, sides, [&](GroupSide, const Patch& patch, const PatchPoint& point) {
-    for (int a = 0; a < patch.numNodes; ++a)
-      areas(patch.nodes[std::size_t(a)]) += point.measure * point.values[a];
-  });
-}
-
 }  // namespace Haptos

@@ -35,9 +35,4 @@ void addPressure(const Coordinates& coordinates, const ElementGroup& group,
                  Eigen::Ref<Eigen::VectorXd> f);
 ///@}
 
-/// \brief Adds the integral of every shape function over the sides to `areas` [numNodes]: the tributary
-/// areas.
-void addNodalAreas(const Coordinates& coordinates, const ElementGroup& group,
-                   const std::vector<GroupSide>& sides, Eigen::Ref<Eigen::VectorXd> areas);
-
 }  // namespace Haptos

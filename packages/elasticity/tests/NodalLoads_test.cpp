@@ -158,21 +158,6 @@ TEUCHOS_UNIT_TEST(NodalLoads, PressureOnClosedSurface) {
   }
 }
 
-TEUCHOS_UNIT_TEST(NodalLoads, NodalAreas) {
-  const auto solid = makeSolid(Topology::Hex8, {2, 2, 2});
-  VectorXd areas = VectorXd::Zero(27);
-  addNodalAreas(solid.coordinates, solid.groups[0], sidesAt(solid, 2, 0.0), areas);
-  TEST_FLOATING_EQUALITY(areas(0), 1.0 / 16, 1e-14);  // corner
-  TEST_FLOATING_EQUALITY(areas(1), 1.0 / 8, 1e-14);   // edge
-  TEST_FLOATING_EQUALITY(areas(4), 1.0 / 4, 1e-14);   // middle
-  TEST_FLOATING_EQUALITY(areas.sum(), 1.0, 1e-14);
-  const auto tets = makeSolid(Topology::Tet4, {2, 2, 2});
-  VectorXd tetAreas = VectorXd::Zero(27);
-  addNodalAreas(tets.coordinates, tets.groups[0], surfaceSides(tets.groups[0]), tetAreas);
-  TEST_FLOATING_EQUALITY(tetAreas.sum(), 6.0, 1e-14);
-  TEST_EQUALITY(tetAreas(13), 0.0);  // the inner node
-}
-
 TEUCHOS_UNIT_TEST(NodalLoads, ValuesThatAreNotFiniteAreRefused) {
   const auto solid = makeSolid(Topology::Hex8, {2, 1, 1});
   auto f = zeroLoad(solid);

@@ -177,7 +177,7 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
 }  // namespace
 
 bool CoarseElimination::pays(Eigen::Index unknowns, Eigen::Index last) {
-  constexpr Eigen::Index kAlways = 200, kLargest = 1500;  // dense work on few costs less than looking at a sparse pattern
+  constexpr Eigen::Index kAlways = 200, kLargest = 4000;  // dense work on few costs less than looking at a sparse pattern
   return last > 0 && (last <= kAlways || (last <= kLargest && 3 * last <= unknowns));
 }
 

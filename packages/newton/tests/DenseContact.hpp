@@ -5,6 +5,7 @@
 #include <random>
 
 #include "../../qp/tests/QpTestProblem.hpp"
+#include "Haptos_BalanceProjections.hpp"
 #include "Haptos_ContactProblem.hpp"
 
 namespace HaptosTest {
@@ -106,5 +107,31 @@ struct Setup {
     return o;
   }
 };
+
+/// Vectors and balance of a dense problem, and its G^T by kinds of rows.
+struct Parts {
+  Setup setup;
+  const ContactOperators& dual;
+  DualVectors vectors;
+  GluingBalance balance;
+  DenseMatrix GT, gluingGT;  // [rows x l], without contact rows
+
+  Parts(int groups, int gluing, bool floating)
+      : setup(makeContact(groups, gluing, floating, 5)),
+        dual(setup.problem->operators()),
+        vectors(setup.map, dual.pairs, dual.gluingRows),
+        balance(dual, vectors),
+        GT(setup.d.GT),
+        gluingGT(GT) {
+    gluingGT.topRows(3 * groups).setZero();
+  }
+
+  Eigen::VectorXd local(const DenseVector& all) const { return DualVectors::fromVector(*setup.vectorOf(all)); }
+  DenseVector global(const Eigen::VectorXd& mine) const { return gather(*vectors.toVector(mine)); }
+};
+
+inline DenseVector numbers(Eigen::Index n, double phase) {
+  return DenseVector::NullaryExpr(n, [phase](Eigen::Index i) { return std::sin(phase + 2.3 * double(i * i % 17)); });
+}
 
 }  // namespace HaptosTest

@@ -3,7 +3,6 @@
 #include <Teuchos_UnitTestHarness.hpp>
 
 #include "DenseContact.hpp"
-#include "Haptos_BalanceProjections.hpp"
 #include "Haptos_Continuation.hpp"
 #include "Haptos_FoundationStart.hpp"
 
@@ -13,38 +12,12 @@ using namespace HaptosTest;
 
 constexpr int kGroups = 8, kGluing = 20;
 
-/// Vectors and balance of a dense problem, and its G^T by kinds of rows.
-struct Parts {
-  Setup setup;
-  const ContactOperators& dual;
-  DualVectors vectors;
-  GluingBalance balance;
-  DenseMatrix GT, gluingGT;  // [rows x l], without contact rows
-
-  explicit Parts(bool floating)
-      : setup(makeContact(kGroups, kGluing, floating, 5)),
-        dual(setup.problem->operators()),
-        vectors(setup.map, dual.pairs, dual.gluingRows),
-        balance(dual, vectors),
-        GT(setup.d.GT),
-        gluingGT(GT) {
-    gluingGT.topRows(3 * kGroups).setZero();
-  }
-
-  Eigen::VectorXd local(const DenseVector& all) const { return DualVectors::fromVector(*setup.vectorOf(all)); }
-  DenseVector global(const Eigen::VectorXd& mine) const { return gather(*vectors.toVector(mine)); }
-};
-
-DenseVector numbers(Eigen::Index n, double phase) {
-  return DenseVector::NullaryExpr(n, [phase](Eigen::Index i) { return std::sin(phase + 2.3 * double(i * i % 17)); });
-}
-
 DenseVector leastChange(const DenseMatrix& GT, const DenseVector& missing) {
   return GT * (GT.transpose() * GT).completeOrthogonalDecomposition().solve(missing);
 }
 
 TEUCHOS_UNIT_TEST(GluingBalance, ChangesGluingRowsByTheLeast) {
-  Parts t(false);
+  Parts t(kGroups, kGluing, false);
   const DenseVector v = numbers(t.GT.rows(), 0.4), target = numbers(t.GT.cols(), 1.7);
   Eigen::VectorXd balanced = t.local(v);
   t.balance.balance(balanced, target);
@@ -55,7 +28,7 @@ TEUCHOS_UNIT_TEST(GluingBalance, ChangesGluingRowsByTheLeast) {
 
 TEUCHOS_UNIT_TEST(GluingBalance, RigidPartsLeaveNoGluingJump) {
   for (const bool floating : {false, true}) {
-    Parts t(floating);
+    Parts t(kGroups, kGluing, floating);
     const DenseVector s = numbers(t.GT.rows(), 0.9);
     Eigen::VectorXd freed = t.local(s);
     t.balance.removeRigidPart(freed);
@@ -69,7 +42,7 @@ TEUCHOS_UNIT_TEST(GluingBalance, RigidPartsLeaveNoGluingJump) {
 }
 
 TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
-  Parts held(false), t(true);
+  Parts held(kGroups, kGluing, false), t(kGroups, kGluing, true);
   TEST_EQUALITY(held.balance.numFloating(), 0);
   TEST_EQUALITY(t.balance.numFloating(), 6);
   DenseMatrix HH = t.balance.H().transpose() * t.balance.H();
@@ -82,7 +55,7 @@ TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
 
 // With all pairs open the projection knows gluing rows alone; with all stuck every row.
 TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
-  Parts t(false);
+  Parts t(kGroups, kGluing, false);
   const DenseVector diagonal = numbers(t.GT.rows(), 2.1).cwiseAbs() + DenseVector::Constant(t.GT.rows(), 0.1);
   const Eigen::VectorXd weights = t.local(diagonal), r = Eigen::VectorXd::Ones(t.vectors.numPairs());
   ActiveCoarseProjection projection(t.dual, t.balance, t.vectors, weights);
@@ -107,7 +80,7 @@ TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
 
 // Bodies on springs at the pairs: the forces obey the law and carry what acts on the motions.
 TEUCHOS_UNIT_TEST(FoundationStart, ForcesObeyTheLawAndCarryTheLoad) {
-  Parts t(true);
+  Parts t(kGroups, kGluing, true);
   const Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * t.vectors.numPairs()), r = Eigen::VectorXd::Constant(t.vectors.numPairs(), 3.0);
   const FoundationState state = solveFoundation(t.dual.pairs, x, r, t.balance, t.vectors);
   TEST_COMPARE(state.residual, <, 1e-10);

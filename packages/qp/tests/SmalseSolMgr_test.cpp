@@ -231,6 +231,19 @@ TEUCHOS_UNIT_TEST(SmalseSolMgr, WarmRestartGoesOnWithoutANewNorm) {
   TEST_COMPARE((gather(*twice.x) - gather(*once.x)).norm(), <=, 1e-6);
 }
 
+TEUCHOS_UNIT_TEST(SmalseSolMgr, AGivenNormIsNotComputedAgain) {
+  const DenseProblem d = makeHardProblem(2);
+  Setup first(d), second(d);
+  TEST_EQUALITY(first.solve(1e-9), Belos::Converged);
+  const OperatorNorm norm = first.manager.operatorNorm();
+  TEST_COMPARE(norm.applications, >, 0);
+  second.manager.setOperatorNorm(norm);
+  TEST_EQUALITY(second.solve(1e-9), Belos::Converged);
+  TEST_COMPARE(second.manager.counts().hessianApplications, <=, first.manager.counts().hessianApplications - norm.applications);
+  TEST_EQUALITY(second.manager.counts().hessianApplications, second.A->applications);
+  TEST_COMPARE((gather(*second.x) - gather(*first.x)).norm(), <=, 1e-6 * gather(*first.x).norm());
+}
+
 TEUCHOS_UNIT_TEST(SmalseSolMgr, OuterTestReplacesTheBuiltInOne) {
   const DenseProblem d = makeHardProblem(1);
   Setup s(d);

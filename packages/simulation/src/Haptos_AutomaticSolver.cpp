@@ -56,7 +56,9 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseParameters_, newton_.solution().lambda);
   if (!handedBack_) {
     handedBack_ = true;
-    if (!run(*smalse_, {std::max(kStatesSettled, request.tolerance), request.maximumMultiplications})) return false;
+    SolveRequest states = request;
+    states.tolerance = std::max(kStatesSettled, request.tolerance);
+    if (!run(*smalse_, states)) return false;
     newton_.startFrom(smalse_->solution());
     if (run(newton_, request)) return true;
     if (!needsHelp()) return false;

@@ -53,12 +53,9 @@ double KktEstimator::hidden() const {
   return floor_ < kLargestFloor ? kHidden * floor_ : 0.0;
 }
 
-double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance) {
+double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance, Scale scale) {
   constexpr double kShrunk = 0.25;
-  if (uRef_ < 0) {
-    renewScale(lambda, s);
-    firstTolerance_ = tolerance;
-  }
+  if (uRef_ < 0) renewScale(lambda, s);
   const Sizes sizes = measureSizes(lambda, s);
   isWithoutForce_ = isWithoutForce(loads_, std::max(sizes.contactForce, sizes.reaction), roundOff_);
   contactForce_ = contactForceScale(sizes.contactForce, std::max(loads_.largest, sizes.reaction));
@@ -67,10 +64,9 @@ double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tole
   const double equilibrium = measureEquilibrium(lambda);
   kkt_ = std::max(kkt_, equilibrium);
   if (kkt_ > std::max(tolerance, hidden())) return kkt_;
-  // No error falls when uRef does: what passes at a quarter of it passes at the scale of today, unless floating bodies came a
-  // long way.  A tighter tolerance than the first is asked for where the measure from u disagreed: then the scale is not trusted.
+  // No error falls when uRef does: what passes at a quarter of it passes at the scale of today, unless bodies came a long way.
   const auto atAnyScale = [&] { return std::max(equilibrium, errorsAt(kShrunk * uRef_, lambda, s, sizes.jump)); };
-  const bool isScaleTrusted = tolerance >= firstTolerance_ && system_.floatingMotions().basis.cols() == 0;
+  const bool isScaleTrusted = scale == Scale::Trusted && system_.floatingMotions().basis.cols() == 0;
   if (kkt_ <= tolerance && isScaleTrusted && atAnyScale() <= tolerance) return kkt_;
   renewScale(lambda, s);
   kkt_ = std::max(equilibrium, errorsAt(uRef_, lambda, s, sizes.jump));

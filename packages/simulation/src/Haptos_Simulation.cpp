@@ -227,14 +227,13 @@ SimulationResult Simulation::solve() {
   const auto scope = clock_.time(Phase::Solve);
   const auto& list = parameters_.sublist("Solver");
   const double tolerance = report_.tolerance;
-  const long maximum = list.get<int>("Maximum Hessian Multiplications");
   const auto solver = makeSolver();
   bool passed = false;
   Accuracy accuracy;
   RCP<Vector> u;
-  double request = tolerance;
+  SolveRequest request{tolerance, list.get<int>("Maximum Hessian Multiplications")};
   for (int attempt = 0; attempt < 12; ++attempt) {
-    passed = solver->solve({request, maximum});
+    passed = solver->solve(request);
     {
       const auto recover = clock_.time(Phase::Recover);
       accuracy = checkSolution(solver->solution(), u);
@@ -242,8 +241,9 @@ SimulationResult Simulation::solve() {
     const double kkt = accuracy.errors.kkt();
     if (kkt <= tolerance || !passed) break;
     if (accuracy.floor > tolerance) break;
-    // A lower request makes the method look at its scale of displacements again, which mostly is all that was wrong.
-    request *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    // The method's scale of displacements mostly is all that was wrong.
+    request.isDoubted = true;
+    request.tolerance *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   const bool solved = accuracy.errors.kkt() <= tolerance;
   report_.solver.status = solved ? "converged" : "not converged";

@@ -84,7 +84,7 @@ struct SmalseContactSolver::Impl {
   std::unique_ptr<CoulombFixedPoint> fixedPoint;
   RCP<FetiProgram> program;
   Manager manager;
-  double tolerance = 0;
+  SolveRequest request{};
 };
 
 SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start)
@@ -109,7 +109,7 @@ int SmalseContactSolver::outerIterations() const { return int(impl_->manager.his
 
 bool SmalseContactSolver::solve(const SolveRequest& request) {
   const DualProblem& dual = context_.system.dual();
-  impl_->tolerance = request.tolerance;
+  impl_->request = request;
   const long others = dual.F->applications() - impl_->manager.counts().hessianApplications;  // a request counts those of the whole run
   auto list = Teuchos::parameterList(*impl_->manager.getCurrentParameters());
   list->set("Convergence Tolerance", request.tolerance);
@@ -127,7 +127,8 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
 double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {
   Vector s(*gradient.getVector(0), Teuchos::Copy);
   s.scale(-1.0);
-  return impl_->estimator.estimate(*x.getVector(0), s, impl_->tolerance);
+  const auto scale = impl_->request.isDoubted ? KktEstimator::Scale::Doubted : KktEstimator::Scale::Trusted;
+  return impl_->estimator.estimate(*x.getVector(0), s, impl_->request.tolerance, scale);
 }
 
 void SmalseContactSolver::record(double residual) {

@@ -50,7 +50,7 @@ struct SubspaceNewtonSolver::Impl {
   RCP<const DeflatedPreconditioner> deflated;
   RCP<ContactProblem> problem;
   SubspaceNewtonSolMgr manager;
-  double tolerance = 0;
+  SolveRequest request{};
   DualSolution solution;
   std::string reason;
   std::vector<HistoryEntry> history;
@@ -64,7 +64,7 @@ struct SubspaceNewtonSolver::Impl {
     list->set("Maximum Pairs", maximumPairs);
     manager.setParameters(list);
     manager.setProblem(problem);
-    manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimator.estimate(l, s, tolerance); });
+    manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimateKkt(l, s); });
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record, l); });
   }
 
@@ -72,6 +72,10 @@ struct SubspaceNewtonSolver::Impl {
     deflated = context.system.makeDeflated();
     if (deflated.is_null()) return {};
     return {deflated, deflated->contactBlock()};
+  }
+
+  double estimateKkt(const Vector& l, const Vector& s) {
+    return estimator.estimate(l, s, request.tolerance, request.isDoubted ? KktEstimator::Scale::Doubted : KktEstimator::Scale::Trusted);
   }
 
   void keep(const SubspaceNewtonRecord& record, const Vector& l) {
@@ -84,8 +88,8 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   // The manager counts its own multiplications, a request those of the whole run.
-  void setLimits(const SolveRequest& request) {
-    tolerance = request.tolerance;
+  void setRequest(const SolveRequest& r) {
+    request = r;
     const long others = context.system.dual().F->applications() - manager.hessianApplications();
     auto list = Teuchos::parameterList(*manager.getCurrentParameters());
     list->set("Convergence Tolerance", request.tolerance);
@@ -102,7 +106,7 @@ void SubspaceNewtonSolver::startFrom(const DualSolution& solution) { impl_->mana
 
 bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   Impl& impl = *impl_;
-  impl.setLimits(request);
+  impl.setRequest(request);
   const bool passed = impl.manager.solve() == Belos::Converged;
   impl.reason = passed                           ? "converged"
                 : impl.manager.isLOADetected() ? "the residual was no longer halved"

@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Directions and the preconditioners they come from, against dense formulas.
+#include <Teuchos_UnitTestHarness.hpp>
+
+#include "DenseContact.hpp"
+#include "Haptos_NewtonDirection.hpp"
+
+namespace {
+
+using namespace HaptosTest;
+
+constexpr int kGroups = 12, kGluing = 20;
+constexpr double kPenalty = 1.7;  // r
+
+/// A state with open, sticking and slipping pairs, seen by this rank and as a whole.
+struct Scene : Parts {
+  DenseVector lambda, s;
+  Eigen::VectorXd myLambda, myS, r;
+  LawLinearization law, wholeLaw;  // of this rank's pairs, of all
+
+  explicit Scene(bool floating) : Parts(kGroups, kGluing, floating), lambda(numbers(GT.rows(), 0.3)), s(0.4 * numbers(GT.rows(), 1.1)) {
+    for (int i = 0; i < kGroups; ++i) {
+      lambda[3 * i] = i % 4 == 0 ? -1.0 : 1.0 + 0.2 * i;
+      lambda.segment<2>(3 * i + 1) *= i % 4 == 1 ? 0.05 : 3.0;
+      s.segment<3>(3 * i) *= i % 4 == 1 ? 0.05 : 1.0;
+    }
+    myLambda = local(lambda);
+    myS = local(s);
+    r = Eigen::VectorXd::Constant(vectors.numPairs(), kPenalty);
+    law = linearizeLaw(dual.pairs, vectors.contact(myLambda), vectors.contact(myS), r);
+    std::vector<PairLaw> all;
+    for (int i = 0; i < kGroups; ++i) all.push_back({3 * i, {3 * i + 1, 3 * i + 2}, setup.d.friction, 0, FrictionLaw::Coulomb, false});
+    wholeLaw = linearizeLaw(all, lambda.head(3 * kGroups), s.head(3 * kGroups), Eigen::VectorXd::Constant(kGroups, kPenalty));
+  }
+  DenseMatrix contactM() const { return setup.d.M.topLeftCorner(3 * kGroups, 3 * kGroups); }
+  /// (M (s_E, 0))_c
+  DenseVector forcesOfGluing() const { return setup.d.M.topRightCorner(3 * kGroups, kGluing) * s.tail(kGluing); }
+  double difference(const Eigen::VectorXd& mine, const DenseVector& expected) const { return (global(mine) - expected).norm() / expected.norm(); }
+};
+
+TEUCHOS_UNIT_TEST(Scene, HasAllStates) {
+  const Scene t(false);
+  int open = 0, stick = 0, slip = 0;
+  for (std::size_t i = 0; i < std::size_t(kGroups); ++i) {
+    const auto modes = TangentialModes::of(t.wholeLaw.dP[i], kPenalty, 1.0);
+    open += !t.wholeLaw.closed[i];
+    stick += t.wholeLaw.closed[i] && !modes.isPartial(0) && !modes.isPartial(1);
+    slip += t.wholeLaw.closed[i] && modes.isHeld(0) && modes.isPartial(1) && !modes.isHeld(1);
+  }
+  out << open << " open, " << stick << " stick, " << slip << " slip\n";
+  TEST_ASSERT(open > 0 && stick > 0 && slip > 2);
+}
+
+// (M^-1 + C)^-1 in the variables of the coarse projections: r = r_theta / sqrt(theta), z_theta = z / sqrt(theta).
+TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndCompliance) {
+  const Scene t(false);
+  constexpr double kStiffness = 0.9;
+  const Eigen::Index n = t.GT.rows();
+  DenseMatrix C = DenseMatrix::Zero(n, n), root = DenseMatrix::Identity(n, n);
+  std::vector<TangentialModes> modes;
+  for (const auto& dP : t.law.dP) modes.push_back(TangentialModes::of(dP, kPenalty, kStiffness));
+  for (std::size_t i = 0; i < std::size_t(kGroups); ++i) {
+    if (!t.wholeLaw.tangential[i]) continue;
+    const TangentialModes m = TangentialModes::of(t.wholeLaw.dP[i], kPenalty, kStiffness);
+    const Eigen::Index at = 3 * Eigen::Index(i) + 1;
+    Eigen::Vector2d scale(1, 1), compliance(0, 0);
+    for (int k = 0; k < 2; ++k) {
+      if (m.isHeld(k)) continue;
+      scale[k] = std::sqrt(m.theta[k]);
+      compliance[k] = (1 - m.sigma[k]) / (kPenalty * m.sigma[k]);
+    }
+    root.block<2, 2>(at, at) = m.E * scale.asDiagonal() * m.E.transpose();
+    C.block<2, 2>(at, at) = m.E * compliance.asDiagonal() * m.E.transpose();
+  }
+  TEST_COMPARE(C.norm(), >, 0.1);
+  const DenseVector b = numbers(n, 2.6);
+  const DenseMatrix flexibility = t.setup.d.M.inverse() + C;
+  const DenseVector expected = root.inverse() * flexibility.partialPivLu().solve(root.inverse() * b);
+  for (double tolerance : {1e-3, 1e-11}) {
+    CompliantPreconditioner preconditioner(t.dual, t.vectors, tolerance);
+    preconditioner.prepare(t.dual.pairs, t.law, modes);
+    TEST_COMPARE(t.difference(preconditioner.apply(t.local(b)), expected), <, 10 * tolerance);
+  }
+  // where nothing gives way it is M
+  CompliantPreconditioner stuck(t.dual, t.vectors, 1e-3);
+  LawLinearization sticks = t.law;
+  for (auto& dP : sticks.dP) dP.setIdentity();
+  for (std::size_t i = 0; i < modes.size(); ++i) modes[i] = TangentialModes::of(sticks.dP[i], kPenalty, kStiffness);
+  stuck.prepare(t.dual.pairs, sticks, modes);
+  TEST_COMPARE(t.difference(stuck.apply(t.local(b)), t.setup.d.M * b), <, 1e-13);
+}
+
+TEUCHOS_UNIT_TEST(CondensedNewton, SolvesTheLinearisedLaw) {
+  const Scene t(false);
+  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const DenseMatrix Mcc = t.contactM();
+  const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
+  const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
+  const DenseVector sigma = t.wholeLaw.multiply(Mcc, -I).partialPivLu().solve(rhs);
+  DenseVector jumps = t.s;
+  jumps.head(3 * kGroups) = sigma;
+  TEST_COMPARE(t.difference(condensed.linearDirection(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
+}
+
+TEUCHOS_UNIT_TEST(CondensedNewton, SolvesTheLawItself) {
+  const Scene t(false);
+  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const CondensedNewton::Step step = condensed.direction(t.dual.pairs, t.r, t.myLambda, t.myS);
+  const auto after = linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r);
+  TEST_COMPARE(t.vectors.norm(after.phi), <, 1e-8 * t.wholeLaw.phi.norm());
+  // the step is the response to the jumps that it closes
+  Eigen::VectorXd jumps = t.myS;
+  t.vectors.setContact(jumps, step.sigma);
+  TEST_COMPARE(t.difference(step.z, t.setup.d.M * t.global(jumps)), <, 1e-12);
+}
+
+TEUCHOS_UNIT_TEST(CondensedNewton, PairsFeelTheirComplianceWithTheOthersOpen) {
+  const Scene t(false);
+  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const DenseMatrix flexibility = t.contactM().inverse();
+  Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(t.vectors.numRows()), normal = Eigen::VectorXd::Zero(3 * t.vectors.numPairs());
+  const Eigen::VectorXd felt = condensed.normalStiffness();
+  for (Eigen::Index i = 0; i < felt.size(); ++i) normal[3 * i] = felt[i];
+  t.vectors.setContact(stiffness, normal);
+  DenseVector expected = DenseVector::Zero(t.GT.rows());
+  for (int i = 0; i < kGroups; ++i) expected[3 * i] = 1 / flexibility(3 * i, 3 * i);
+  TEST_COMPARE(t.difference(stiffness, expected), <, 1e-8);
+}
+
+// What the law decides is so, and nothing is out of balance.
+TEUCHOS_UNIT_TEST(NewtonDirection, IsBalancedAndFollowsTheLaw) {
+  for (const bool floating : {false, true}) {
+    const Scene t(floating);
+    NewtonDirection direction(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance);
+    const NewtonDirection::Point point{t.myLambda, t.myS, t.law.phi};
+    const DenseVector v = t.global(direction.compute(t.dual.pairs, t.law, point));
+    TEST_COMPARE((t.GT.transpose() * v).norm(), <, 1e-8 * v.norm());
+    if (floating) continue;  // there open pairs, too, may have to hold the body
+    for (int i = 0; i < kGroups; ++i) {
+      const Eigen::Vector3d before = t.lambda.segment<3>(3 * i), change = v.segment<3>(3 * i);
+      if (!t.wholeLaw.closed[std::size_t(i)]) TEST_COMPARE((before + change).norm(), <, 1e-12 * t.lambda.norm());
+    }
+  }
+}
+
+// Whatever a pair's own units, r is measured by the stiffness of normal rows.
+TEUCHOS_UNIT_TEST(NewtonDirection, PenaltyIsTheMedianOfNormalStiffnesses) {
+  const Scene t(false);
+  const NewtonDirection direction(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance);
+  std::vector<double> normal;
+  for (int i = 0; i < kGroups; ++i) normal.push_back(t.setup.d.M(3 * i, 3 * i));
+  std::sort(normal.begin(), normal.end());
+  const double median = 0.5 * (normal[kGroups / 2 - 1] + normal[kGroups / 2]);
+  for (double value : direction.pairStiffness()) TEST_FLOATING_EQUALITY(value, median, 1e-13);
+  TEST_ASSERT(!direction.hasModel() && !direction.mayHaveModel());  // nobody offers one
+}
+
+}  // namespace
