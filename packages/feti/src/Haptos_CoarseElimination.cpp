@@ -4,6 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_BLAS.hpp>
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -177,8 +178,10 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
 }  // namespace
 
 bool CoarseElimination::pays(Eigen::Index unknowns, Eigen::Index last) {
-  constexpr Eigen::Index kAlways = 200, kLargest = 4000;  // dense work on few costs less than looking at a sparse pattern
-  return last > 0 && (last <= kAlways || (last <= kLargest && 3 * last <= unknowns));
+  constexpr Eigen::Index kAlways = 200, kFew = 1500;  // dense work on few costs less than looking at a sparse pattern
+  constexpr double kFactor = 27;                      // a sparse factor of the whole has 27 l^(4/3) entries
+  const double c = double(last), entries = kFactor * std::pow(double(unknowns), 4.0 / 3);
+  return last > 0 && (last <= kAlways || (3 * last <= unknowns && (last <= kFew || c * c <= entries)));
 }
 
 void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& last) {

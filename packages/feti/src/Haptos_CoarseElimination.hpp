@@ -15,7 +15,7 @@ class CoarseElimination {
  public:
   /// \brief Whether dense factors of what is left are cheaper than sparse ones of all, by size; false without CHOLMOD.
   ///
-  /// \param unknowns of A, \param last unknowns that are not eliminated.
+  /// Few enough of them, or fewer entries than a sparse factor has.  \param unknowns of A, \param last that are not eliminated.
   static bool pays(Eigen::Index unknowns, Eigen::Index last);
 
   using Parts = std::vector<const CoarseBlocks*>;

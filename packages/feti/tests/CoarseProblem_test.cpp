@@ -173,6 +173,10 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
 TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
   TEST_EQUALITY(CoarseElimination::pays(6 * Chain::kSubdomains, 60), hasCholmod());
   TEST_ASSERT(!CoarseElimination::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
+  for (const auto& [unknowns, last] : {std::pair{4500, 1500}, {12288, 1536}, {65856, 4704}})  // of beams in contact
+    TEST_EQUALITY(CoarseElimination::pays(unknowns, last), hasCholmod());
+  for (const auto& [unknowns, last] : {std::pair{4400, 1500}, {65856, 9000}})  // a third of all; more than a sparse factor
+    TEST_ASSERT(!CoarseElimination::pays(unknowns, last));
   for (int touched : {1, 10, Chain::kSubdomains}) {
     const Chain chain(touched);
     const Eigen::Index l = chain.fixed.cols();
