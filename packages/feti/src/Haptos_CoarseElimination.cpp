@@ -5,6 +5,7 @@
 #include <Teuchos_BLAS.hpp>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -61,24 +62,60 @@ struct CompressedColumns {
   }
 };
 
-// Constrained minimum degree on the graph of the subdomains.
-std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
-  std::vector<std::uint64_t> keys;
+// The upper triangle of the graph of subdomains, as their numbers go; -1: left out.
+CompressedColumns graphOf(const CoarseElimination::Parts& A, const std::vector<int>& number) {
+  std::vector<std::uint64_t> keys;  // a row of the lower triangle is a column of the upper one
   for (const CoarseBlocks* part : A)
     for (const auto& [key, block] : part->blocks()) keys.push_back(key);
   std::sort(keys.begin(), keys.end());
   keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  CompressedColumns graph;  // rows of the lower triangle are columns of the upper one
-  for (std::size_t s = 0, k = 0; s < std::size_t(subdomains); ++s) {
-    for (; k < keys.size() && CoarseBlocks::row(keys[k]) == int(s); ++k) graph.rows.push_back(CoarseBlocks::column(keys[k]));
-    graph.starts.push_back(int(graph.rows.size()));
+  CompressedColumns graph;
+  for (std::size_t s = 0, k = 0; s < number.size(); ++s) {
+    for (; k < keys.size() && CoarseBlocks::row(keys[k]) == int(s); ++k) {
+      const int neighbour = number[std::size_t(CoarseBlocks::column(keys[k]))];
+      if (number[s] >= 0 && neighbour >= 0) graph.rows.push_back(neighbour);
+    }
+    if (number[s] >= 0) graph.starts.push_back(int(graph.rows.size()));
   }
-  std::vector<int> isLast(std::size_t(subdomains), 0), order(isLast);
+  return graph;
+}
+
+// By constrained minimum degree.
+std::vector<int> orderByDegree(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+  std::vector<int> all(std::size_t(subdomains), 0), isLast(all), order(all);
+  std::iota(all.begin(), all.end(), 0);
   for (int s : last) isLast[std::size_t(s)] = 1;
+  CompressedColumns graph = graphOf(A, all);
   auto view = graph.view(1);
   const bool ordered = cholmod_camd(&view, nullptr, 0, isLast.data(), order.data(), &common);
   TEUCHOS_TEST_FOR_EXCEPTION(!ordered, std::runtime_error, "CHOLMOD: ordering " << subdomains << " subdomains failed");
   return order;
+}
+
+// The others by nested dissection; empty if that fails.
+std::vector<int> orderByDissection(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+  std::vector<int> number(std::size_t(subdomains), 0), others;
+  for (int s : last) number[std::size_t(s)] = -1;
+  for (int s = 0; s < subdomains; ++s) {
+    if (number[std::size_t(s)] < 0) continue;
+    number[std::size_t(s)] = int(others.size());
+    others.push_back(s);
+  }
+  CompressedColumns graph = graphOf(A, number);
+  auto view = graph.view(1);
+  std::vector<int> order(others.size());
+  constexpr int kPostorder = 1;
+  if (!cholmod_metis(&view, nullptr, 0, kPostorder, order.data(), &common)) return {};
+  for (int& s : order) s = others[std::size_t(s)];
+  order.insert(order.end(), last.begin(), last.end());
+  return order;
+}
+
+std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+  constexpr std::size_t kMany = 1000;  // up to here both orders fill in alike
+  std::vector<int> order;
+  if (std::size_t(subdomains) - last.size() > kMany) order = orderByDissection(A, subdomains, last, common);
+  return order.empty() ? orderByDegree(A, subdomains, last, common) : order;
 }
 
 // The lower triangle of A(order, order), as CHOLMOD takes it without moving anything.

@@ -60,10 +60,10 @@ Dense partOf(const Dense& b, const Communicator& comm) {
 struct Chain {
   static constexpr int kSubdomains = 40;
   RCP<const Communicator> comm = Tpetra::getDefaultComm();
-  CoarseRows fixed{12 * kSubdomains, 6 * kSubdomains}, changing = fixed;
+  CoarseRows fixed, changing;
   std::vector<double> q;
 
-  explicit Chain(int touched) {
+  explicit Chain(int touched, int subdomains = kSubdomains) : fixed(12 * subdomains, 6 * subdomains), changing(fixed) {
     std::vector<Eigen::Triplet<double>> stays, changes;
     for (int row = comm->getRank(); row < fixed.rows(); row += comm->getSize()) {
       const int s = row / 12, first = std::max(0, 6 * (s - 1));
@@ -166,6 +166,21 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewedPartIsThatOfAFreshMatrix) {
       TEST_ASSERT(largest(fresh - wanted) > 1e-3 * largest(wanted));
     }
     TEST_EQUALITY(placement->costs().setUps, 3L);
+  }
+}
+
+// So many that dissection orders them.
+TEUCHOS_UNIT_TEST(CoarseProblem, ThousandsOfSubdomainsAreEliminated) {
+  const Chain chain(5, 1500);
+  const Dense b = someColumns(chain.fixed.cols(), 2);
+  for (const Case& c : allCases(chain.comm->getSize())) {
+    const auto placement = chain.place(c.options);
+    CoarseProblem A(placement, {chain.fixed, chain.q}, {chain.changing, chain.q}, {}, CoarseProblem::Factor::Now);
+    const Dense x = A.solve(b);
+    const Dense rest = gathered(chain.fixed, x, chain.q) + gathered(chain.changing, x, chain.q) - b;
+    TEST_ASSERT(isSmall(rest, b, 1e-9));
+    // a chain hardly fills in
+    if (placement->holds()) TEST_COMPARE(placement->costs().factorEntries, <, std::size_t(6 * 18 * 2 * 1500));
   }
 }
 
