@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: BSD-3-Clause
 include_guard(GLOBAL)
 
-# haptos_add_package(<name> HEADERS ... SOURCES ... DEPENDS ... [PRIVATE_DEPENDS ...])
-# One static library per folder under packages/, target Haptos::<name>.
+# haptos_add_package(<name> HEADERS ... PRIVATE_HEADERS ... SOURCES ... DEPENDS ... [PRIVATE_DEPENDS ...])
+# One static library per folder under packages/, target Haptos::<name>.  HEADERS are installed, PRIVATE_HEADERS not:
+# tests/style/arrows.py tells which is which, and what a package may include.
 function(haptos_add_package name)
-  cmake_parse_arguments(arg "" "" "HEADERS;SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
-  add_library(haptos_${name} ${arg_SOURCES} ${arg_HEADERS})
+  cmake_parse_arguments(arg "" "" "HEADERS;PRIVATE_HEADERS;SOURCES;DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  add_library(haptos_${name} ${arg_SOURCES} ${arg_HEADERS} ${arg_PRIVATE_HEADERS})
   add_library(Haptos::${name} ALIAS haptos_${name})
   set_target_properties(haptos_${name} PROPERTIES
     EXPORT_NAME ${name} POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF)
@@ -13,22 +14,9 @@ function(haptos_add_package name)
   target_include_directories(haptos_${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include/haptos>)
   target_link_libraries(haptos_${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS} haptos_warnings)
-  haptos_check_arrows(${name} ${arg_DEPENDS} ${arg_PRIVATE_DEPENDS})
   install(TARGETS haptos_${name} EXPORT HaptosTargets ARCHIVE DESTINATION lib LIBRARY DESTINATION lib)
   install(FILES ${arg_HEADERS} DESTINATION include/haptos)
   set_property(GLOBAL APPEND PROPERTY HAPTOS_PACKAGES ${name})
-endfunction()
-
-# Arrows between packages point one way: a package may depend only on packages configured before it.
-function(haptos_check_arrows name)
-  get_property(known GLOBAL PROPERTY HAPTOS_PACKAGES)
-  foreach(dep IN LISTS ARGN)
-    if(dep MATCHES "^Haptos::(core|qp|mesh|elasticity|contact|decomposition|feti|friction|newton|results|simulation)$")
-      if(NOT CMAKE_MATCH_1 IN_LIST known)
-        message(FATAL_ERROR "package '${name}' must not depend on '${CMAKE_MATCH_1}': arrows point down only")
-      endif()
-    endif()
-  endforeach()
 endfunction()
 
 # haptos_add_test(<name> SOURCES ... DEPENDS ... RANKS 1 2 LABELS "unit;qp" [TIMEOUT s] [ARGS ...])

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "Haptos_ContactPairs.hpp"
+#include "Haptos_ContactPair.hpp"
 #include "Haptos_Subdomain.hpp"
 #include "Haptos_Types_fwd.hpp"
 

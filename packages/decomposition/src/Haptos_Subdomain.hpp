@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "Haptos_ByteBuffer.hpp"
-#include "Haptos_LinearElasticity.hpp"
+#include "Haptos_ElementGroup.hpp"
 #include "Haptos_Mesh.hpp"
 #include "Haptos_Partition.hpp"
 

@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "Haptos_ContactPairs.hpp"
+#include "Haptos_ContactPair.hpp"
 #include "Haptos_Mesh.hpp"
 #include "Haptos_Partition.hpp"
 

@@ -6,7 +6,7 @@
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Vector.hpp>
 
-#include "../../friction/tests/PlainLaw.hpp"
+#include "../../law/tests/PlainLaw.hpp"
 #include "DenseContact.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_Error.hpp"

@@ -6,6 +6,7 @@
 
 #include "../../feti/tests/FetiScene.hpp"
 #include "Haptos_ContactResults.hpp"
+#include "Haptos_PairLaws.hpp"
 
 namespace {
 
@@ -17,7 +18,7 @@ using namespace Haptos::Testing;
 class PressedBlocks {
  public:
   PressedBlocks() : scene(makeScene(options())), feti(makeFeti(Tpetra::getDefaultComm(), scene)) {
-    law = std::make_unique<ContactLaw>(*feti.dealt.multipliers, std::vector<FrictionSpec>{{FrictionLaw::Coulomb, {40, 30}, 0}});
+    law = std::make_unique<ContactLaw>(makeContactLaw(*feti.dealt.multipliers, {{FrictionLaw::Coulomb, {40, 30}, 0}}));
     gather = std::make_unique<NodalGather>(feti.comm, feti.dealt.mine, scene.mesh.numNodes());
     const Dense B = denseB(scene);
     const auto K = denseStiffness(scene);

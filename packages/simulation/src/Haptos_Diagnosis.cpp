@@ -7,6 +7,7 @@
 #include <algorithm>
 
 #include "Haptos_Format.hpp"
+#include "Haptos_PairLaws.hpp"
 
 namespace Haptos {
 namespace {

@@ -12,6 +12,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
 #include "Haptos_NodalLoads.hpp"
+#include "Haptos_PairLaws.hpp"
 #include "Haptos_SoftModes.hpp"
 
 namespace Haptos {
@@ -89,7 +90,7 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
 
 }  // namespace
 
-FetiSystem::FetiSystem(const DistributedModel& model) : model_(model), law_(*model.multipliers, model.data.friction) {
+FetiSystem::FetiSystem(const DistributedModel& model) : model_(model), law_(makeContactLaw(*model.multipliers, model.data.friction)) {
   jump_ = Teuchos::rcp(new JumpOperator(model.multipliers, model.firstSubdomain, sizesOf(model.subdomains)));
   systems_ = Teuchos::rcp(new LocalSystems);
 }

@@ -7,6 +7,7 @@
 
 #include "../../feti/tests/FetiScene.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_PairLaws.hpp"
 
 namespace {
 
@@ -19,7 +20,7 @@ class Block {
  public:
   Block(const FrictionSpec& friction, int subdomains = 4) : scene_(makeScene(options(friction, subdomains))) {
     feti_ = makeFeti(Tpetra::getDefaultComm(), scene_);
-    law_ = std::make_unique<ContactLaw>(*feti_.dealt.multipliers, std::vector<FrictionSpec>{friction});
+    law_ = std::make_unique<ContactLaw>(makeContactLaw(*feti_.dealt.multipliers, {friction}));
     bodies_ = std::make_unique<BodyMotions>(*feti_.comm, feti_.dealt.mine, *feti_.systems, scene_.partition.count, scene_.bodies.names);
     std::map<std::int64_t, int> copies;
     for (const auto& sub : scene_.subdomains)

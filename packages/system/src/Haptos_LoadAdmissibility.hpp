@@ -2,6 +2,7 @@
 #pragma once
 #include "Haptos_BodyMotions.hpp"
 #include "Haptos_ContactLaw.hpp"
+#include "Haptos_MultiplierMap.hpp"
 #include "Haptos_NaturalCoarseSpace.hpp"
 
 namespace Haptos {

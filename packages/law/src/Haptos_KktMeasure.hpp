@@ -41,13 +41,7 @@ KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vect
 /// \brief The same where l_ref is known.  Collective: one reduction.
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef);
 
-/// \brief The pair with the largest contact error: its error, interface and mesh node of its secondary side.  Collective.
-struct WorstPair {
-  double error = 0;
-  std::int64_t node = -1;  ///< mesh index
-  int interface = -1;      ///< position in the list of interfaces
-};
-WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
-                        const KktScales& scales);
+/// \brief The largest contact error of every pair of this rank, in the order of `law.pairs()`.
+std::vector<double> errorsOfPairs(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef);
 
 }  // namespace Haptos

@@ -4,6 +4,7 @@
 
 #include "Haptos_BoundEllipseSet.hpp"
 #include "Haptos_ContactLaw.hpp"
+#include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
 

@@ -8,17 +8,6 @@
 
 namespace Haptos {
 
-ContactLaw::ContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
-  for (const auto& pair : multipliers.pairs()) {
-    const FrictionSpec& spec = friction[pair.interface];
-    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, spec.coefficients,
-                spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
-    for (int t = 0; t < 2; ++t)
-      if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;
-    pairs_.push_back(law);
-  }
-}
-
 PairProjection PairLaw::project(const std::array<double, 3>& x) const {
   PairProjection result{};
   const bool closed = x[0] > 0 && !normalPinned;

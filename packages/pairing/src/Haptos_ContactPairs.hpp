@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_ContactPair.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_LocalFrame.hpp"
 #include "Haptos_Mesh.hpp"
 
 namespace Haptos {
@@ -34,25 +34,6 @@ struct ContactSpec {
   bool tied = false;             ///< bonded, no contact law
   std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
-};
-
-/// \brief One node on the secondary side and what it may touch.
-///
-/// [u] = u_secondary - u_primary obeys [u] . normal <= gap; u_primary = 0 on a rigid plane.
-struct ContactPair {
-  std::int64_t secondaryNode;  ///< mesh index
-  std::int64_t primaryNode;    ///< mesh index; -1: rigid plane
-  LocalFrame frame;            ///< normal: outward from the secondary surface; rigid plane: -Normal
-  double gap;                  ///< initial distance along the normal; negative: initial penetration
-  double area;                 ///< tributary area of the secondary node
-};
-
-struct ContactInterface {
-  std::string name;
-  std::vector<ContactPair> pairs;  ///< ascending secondary node
-  bool tied = false;               ///< both sides are bonded: [u] = 0, whatever the gap
-  std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
-  std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd
 };
 
 /// \brief Pairs of all interfaces, node to node (see `matchSurfaces`).  Serial: needs the whole mesh.

@@ -101,23 +101,12 @@ KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vect
   return errors;
 }
 
-WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
-                        const KktScales& scales) {
-  const double lRef = contactForceScale(law, lambda, scales.load);
-  WorstPair mine, result;
+std::vector<double> errorsOfPairs(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef) {
+  std::vector<double> errors;
   forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
-    const double error = largestOf(measurePair(law.pairs()[i], l, jump, scales.uRef, lRef));
-    if (error > mine.error) mine = {error, multipliers.pairs()[i].geometry.secondaryNode, multipliers.pairs()[i].interface};
+    errors.push_back(largestOf(measurePair(law.pairs()[i], l, jump, uRef, lRef)));
   });
-  const auto& comm = *lambda.getMap()->getComm();
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.error, Teuchos::outArg(result.error));
-  const long long candidate = mine.error == result.error ? (long long)(mine.node) : -1;
-  long long node = -1;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(node));
-  result.node = node;
-  const int candidateInterface = candidate == node && node >= 0 ? mine.interface : -1;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidateInterface, Teuchos::outArg(result.interface));
-  return result;
+  return errors;
 }
 
 }  // namespace Haptos

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // doc/input.md is made from the table of valid parameters.
 //
-//   core_input_documentation --check FILE    exit status 1 if FILE is not current
-//   core_input_documentation --write FILE
+//   input_documentation --check FILE    exit status 1 if FILE is not current
+//   input_documentation --write FILE
 #include <fstream>
 #include <iostream>
 #include <sstream>
@@ -13,7 +13,7 @@
 int main(int argc, char* argv[]) {
   const std::string mode = argc == 3 ? argv[1] : "";
   if (mode != "--check" && mode != "--write") {
-    std::cerr << "usage: core_input_documentation --check|--write FILE\n";
+    std::cerr << "usage: input_documentation --check|--write FILE\n";
     return 2;
   }
   const std::string current = Haptos::inputDocumentation();

@@ -6,7 +6,8 @@
 
 #include "../../decomposition/tests/DecomposedScene.hpp"
 #include "Haptos_CoulombFixedPoint.hpp"
-#include "PlainLaw.hpp"
+#include "Haptos_PairLaws.hpp"
+#include "../../law/tests/PlainLaw.hpp"
 
 namespace {
 
@@ -65,7 +66,7 @@ TEUCHOS_UNIT_TEST(KktMeasure, EqualsThePlainDefinitions) {
     const Scene scene = makeScene(options);
     TEST_ASSERT(std::count(scene.rows.pinned.begin(), scene.rows.pinned.end(), char(1)) > 0);
     const Dealt dealt = deal(comm, scene);
-    const ContactLaw law(*dealt.multipliers, {friction});
+    const ContactLaw law = makeContactLaw(*dealt.multipliers, {friction});
     for (double load : {1.0, 1e5})  // the second one sets l_ref
       for (int trial = 0; trial < 5; ++trial) {
         const Eigen::VectorXd lambda = someVector(scene.rows.numRows(), trial), s = 1e-2 * someVector(scene.rows.numRows(), trial + 0.5);
@@ -97,7 +98,7 @@ TEUCHOS_UNIT_TEST(KktMeasure, EqualsThePlainDefinitions) {
 TEUCHOS_UNIT_TEST(KktMeasure, NothingMeansZero) {
   const Scene scene = makeScene(partlyClamped());
   const Dealt dealt = deal(Tpetra::getDefaultComm(), scene);
-  const ContactLaw law(*dealt.multipliers, {{FrictionLaw::Coulomb, {0.3, 0.3}, 0}});
+  const ContactLaw law = makeContactLaw(*dealt.multipliers, {{FrictionLaw::Coulomb, {0.3, 0.3}, 0}});
   const Vector zero(dealt.multipliers->map());
   TEST_EQUALITY(measureContact(law, zero, zero, {0, 0}).kkt(), 0.0);
 }
@@ -117,7 +118,7 @@ TEUCHOS_UNIT_TEST(CoulombFixedPoint, SlipBoundsFollowTheNormalForce) {
   const auto comm = Tpetra::getDefaultComm();
   const Dealt dealt = deal(comm, scene);
   const auto map = dealt.multipliers->map();
-  const ContactLaw law(*dealt.multipliers, {{FrictionLaw::Coulomb, {0.3, 0.15}, 0}});
+  const ContactLaw law = makeContactLaw(*dealt.multipliers, {{FrictionLaw::Coulomb, {0.3, 0.15}, 0}});
   const auto first = scattered(map, someVector(scene.rows.numRows(), 1.0)), second = scattered(map, someVector(scene.rows.numRows(), 2.0));
   CoulombFixedPoint fixedPoint(map, law, *dealt.multipliers, *first);
   double change = 0, size = 0;  // || g_new - g_old ||, || g_new || from the whole vectors

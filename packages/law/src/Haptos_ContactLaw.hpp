@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <algorithm>
 #include <array>
+#include <utility>
 #include <vector>
-
-#include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
 
@@ -45,13 +45,12 @@ struct PairLaw {
   PairProjection project(const std::array<double, 3>& x) const;
 };
 
-/// \brief The laws of the pairs that this rank owns, in the order of MultiplierMap::pairs().
+/// \brief The laws of the pairs that this rank owns, in the order of its rows (`makeContactLaw`).
 ///
 /// Source: contract of the associated law, lambda_T = g F^2 [u]_T / || F [u]_T || in slip (Haslinger, Kucera, Kozubek 2009).
 class ContactLaw {
  public:
-  /// \param friction [interfaces]
-  ContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction);
+  explicit ContactLaw(std::vector<PairLaw> pairs) : pairs_(std::move(pairs)) {}
 
   const std::vector<PairLaw>& pairs() const { return pairs_; }
 

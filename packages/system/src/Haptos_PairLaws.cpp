@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_PairLaws.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+
+namespace Haptos {
+
+ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
+  std::vector<PairLaw> laws;
+  for (const auto& pair : multipliers.pairs()) {
+    const FrictionSpec& spec = friction[pair.interface];
+    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, spec.coefficients,
+                spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
+    for (int t = 0; t < 2; ++t)
+      if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;
+    laws.push_back(law);
+  }
+  return ContactLaw(std::move(laws));
+}
+
+WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
+                        const KktScales& scales) {
+  const auto errors = errorsOfPairs(law, lambda, s, scales.uRef, contactForceScale(law, lambda, scales.load));
+  WorstPair mine, result;
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    if (errors[i] > mine.error)
+      mine = {errors[i], multipliers.pairs()[i].geometry.secondaryNode, multipliers.pairs()[i].interface};
+  const auto& comm = *lambda.getMap()->getComm();
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.error, Teuchos::outArg(result.error));
+  const long long candidate = mine.error == result.error ? (long long)(mine.node) : -1;
+  long long node = -1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(node));
+  result.node = node;
+  const int candidateInterface = candidate == node && node >= 0 ? mine.interface : -1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidateInterface, Teuchos::outArg(result.interface));
+  return result;
+}
+
+}  // namespace Haptos
