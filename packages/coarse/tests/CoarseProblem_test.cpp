@@ -7,7 +7,7 @@
 
 #include <Eigen/Dense>
 
-#include "FetiScene.hpp"
+#include "../../feti/tests/FetiScene.hpp"
 
 namespace {
 

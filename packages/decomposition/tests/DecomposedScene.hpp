@@ -13,7 +13,9 @@
 #include <map>
 
 #include "Haptos_BoxMesh.hpp"
+#include "Haptos_ContactPairs.hpp"
 #include "Haptos_JumpOperator.hpp"
+#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos::Testing {

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "Haptos_ContactLaw.hpp"
+#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

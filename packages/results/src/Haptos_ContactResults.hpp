@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_ContactLaw.hpp"
+#include "Haptos_MultiplierMap.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {

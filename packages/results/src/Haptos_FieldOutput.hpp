@@ -2,6 +2,7 @@
 #pragma once
 #include "Haptos_ContactResults.hpp"
 #include "Haptos_ExodusWriter.hpp"
+#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_NodalGather.hpp"
 
 namespace Haptos {

@@ -8,6 +8,7 @@
 #include "Haptos_ContactLaw.hpp"
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_Expression.hpp"
+#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_Partition.hpp"
 
 namespace Haptos {
