@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "Haptos_Mesh.hpp"
+#include "Haptos_MeshShare.hpp"
 
 namespace Haptos {
 
@@ -33,6 +33,9 @@ struct BoxSpec {
 ///         numbers used twice, or more than 2^31 - 1 nodes or elements.
 Mesh makeBoxes(const std::vector<BoxSpec>& boxes);
 
+/// \brief What `rank` of `ranks` has of it, made without the rest.  Serial; throws as `makeBoxes`, alike on all ranks.
+MeshShare shareBoxes(const std::vector<BoxSpec>& boxes, int rank, int ranks);
+
 /// \brief The benchmark of two beams, [0,2] x [0,1] x [-1,0] below and [0,2] x [0,1] x [0,1] above.
 struct TwoBeamsSpec {
   int subdomainsPerEdge = 1;         ///< k: each body has 2k x k x k bricks
@@ -44,10 +47,16 @@ struct TwoBeamsSpec {
 /// \throws InputError  a number below 1 or a mesh of more than 2^31 - 1 nodes.
 Mesh makeTwoBeams(const TwoBeamsSpec& spec);
 
-/// \brief Brick of every element of `makeTwoBeams(spec)`: 0 .. 4k^3 - 1, lower body first, x fastest.
+/// \brief What `rank` of `ranks` has of it, made without the rest.  Serial; throws as `makeTwoBeams`, alike on all ranks.
+MeshShare shareTwoBeams(const TwoBeamsSpec& spec, int rank, int ranks);
+
+/// \brief Brick of an element of `makeTwoBeams(spec)`: 0 .. 4k^3 - 1, lower body first, x fastest.
 ///
 /// Since nodes and elements are numbered with x fastest, then y, then z, all bricks have the same
 /// local order when their nodes and elements are sorted by index: their matrices are congruent.
+int brickOfElement(const TwoBeamsSpec& spec, std::int64_t element);
+
+/// \brief The bricks of all elements.
 std::vector<int> brickSubdomains(const TwoBeamsSpec& spec);
 
 }  // namespace Haptos

@@ -17,35 +17,6 @@ using namespace HaptosTest;
 
 namespace {
 
-const std::string longName = "a_block_name_of_sixty_characters_that_exceeds_thirty_two_xyz";
-
-/// HEX8 and TET4 blocks, an empty block between them, sets with and without names, number maps.
-Mesh makeRichMesh() {
-  BoxSpec hex, tet;
-  hex.blockName = longName;
-  hex.blockId = 17;
-  hex.divisions = {2, 3, 1};
-  hex.sideSetNames = {"", longName + "_side", "", "", "", ""};
-  tet.blockName = "tet";
-  tet.blockId = 4;
-  tet.lower = {3, 0, 0};
-  tet.upper = {4, 1, 1};
-  tet.topology = Topology::Tet4;
-  tet.divisions = {1, 2, 2};
-  tet.sideSetNames = {"", "", "", "", "", "top"};
-  Mesh mesh = makeBoxes({hex, tet});
-  mesh.blocks.insert(mesh.blocks.begin() + 1, ElementBlock{9, "empty", Topology::Hex8, {}});
-  mesh.title = "rich";
-  mesh.sideSets[0].id = 100;
-  mesh.sideSets[1].id = 12;
-  mesh.sideSets[1].name = "";
-  mesh.sideSets.push_back({3, "hollow", {}});
-  mesh.nodeSets = {{55, longName + "_node", {0, 5, 3}}, {2, "", {7}}, {6, "hollow", {}}};
-  for (auto& number : mesh.nodeNumbers) number = 10 * number + 1;
-  for (auto& number : mesh.elementNumbers) number = 1000 - number;
-  return mesh;
-}
-
 Mesh makeWideMesh() {
   Mesh mesh = makeRichMesh();
   mesh.blocks[0].id = (std::int64_t(1) << 31) + 5;

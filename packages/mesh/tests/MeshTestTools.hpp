@@ -3,13 +3,15 @@
 #pragma once
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cstdlib>
 #include <filesystem>
 #include <string>
 #include <vector>
 
-#include "Haptos_Mesh.hpp"
+#include "Haptos_BoxMesh.hpp"
+#include "Haptos_MeshShare.hpp"
 
 namespace HaptosTest {
 
@@ -65,6 +67,66 @@ inline Vector3 areaVector(const Haptos::Mesh& mesh, const std::vector<std::int64
   const Vector3 twice = side.size() == 4 ? cross(minus(at(2), at(0)), minus(at(3), at(1)))
                                          : cross(minus(at(1), at(0)), minus(at(2), at(0)));
   return {twice[0] / 2, twice[1] / 2, twice[2] / 2};
+}
+
+inline const std::string longName = "a_block_name_of_sixty_characters_that_exceeds_thirty_two_xyz";
+
+/// \brief Boxes of hexahedra and of tetrahedra, with a side set over both.
+inline std::vector<Haptos::BoxSpec> mixedBoxes() {
+  Haptos::BoxSpec hex, tet;
+  hex.blockName = longName;
+  hex.blockId = 17;
+  hex.divisions = {2, 3, 1};
+  hex.sideSetNames = {"", longName + "_side", "", "both", "", ""};
+  tet.blockName = "tet";
+  tet.blockId = 4;
+  tet.lower = {3, 0, 0};
+  tet.upper = {4, 1, 1};
+  tet.topology = Haptos::Topology::Tet4;
+  tet.divisions = {1, 2, 2};
+  tet.sideSetNames = {"both", "", "", "", "", "top"};
+  return {hex, tet};
+}
+
+/// \brief HEX8 and TET4 blocks, an empty block between them, sets with and without names, number maps.
+inline Haptos::Mesh makeRichMesh() {
+  Haptos::Mesh mesh = Haptos::makeBoxes(mixedBoxes());
+  mesh.blocks.insert(mesh.blocks.begin() + 1, Haptos::ElementBlock{9, "empty", Haptos::Topology::Hex8, {}});
+  mesh.title = "rich";
+  mesh.sideSets[0].id = 100;
+  mesh.sideSets[1].id = 12;
+  mesh.sideSets[1].name = "";
+  mesh.sideSets.push_back({33, "hollow", {}});
+  mesh.nodeSets = {{55, longName + "_node", {0, 5, 3}}, {2, "", {7}}, {6, "hollow", {}}};
+  for (auto& number : mesh.nodeNumbers) number = 10 * number + 1;
+  for (auto& number : mesh.elementNumbers) number = 1000 - number;
+  return mesh;
+}
+
+/// \brief In what two shares differ, in a word; empty if they are the same.
+inline std::string difference(const Haptos::MeshShare& a, const Haptos::MeshShare& b) {
+  const Haptos::Mesh &p = a.part, &q = b.part;
+  if (a.rank != b.rank || a.nodes.size != b.nodes.size || a.nodes.ranks != b.nodes.ranks) return "nodes";
+  if (a.elements.size != b.elements.size || a.elements.ranks != b.elements.ranks) return "elements";
+  if (p.title != q.title || p.wideIntegers != q.wideIntegers) return "header";
+  if (p.coordinates != q.coordinates || p.nodeNumbers != q.nodeNumbers) return "coordinates or node numbers";
+  if (p.elementNumbers != q.elementNumbers) return "element numbers";
+  if (a.blockStarts != b.blockStarts || listBlocks(p) != listBlocks(q)) return "blocks";
+  for (std::size_t i = 0; i < p.blocks.size(); ++i)
+    if (p.blocks[i].topology != q.blocks[i].topology || p.blocks[i].connectivity != q.blocks[i].connectivity)
+      return "block " + p.blocks[i].name;
+  if (a.sideSetSizes != b.sideSetSizes || listSideSets(p) != listSideSets(q)) return "side sets";
+  if (a.nodeSetSizes != b.nodeSetSizes || listNodeSets(p) != listNodeSets(q)) return "node sets";
+  if (a.sidePositions != b.sidePositions) return "positions in side sets";
+  if (a.nodePositions != b.nodePositions) return "positions in node sets";
+  for (std::size_t i = 0; i < p.nodeSets.size(); ++i)
+    if (p.nodeSets[i].nodes != q.nodeSets[i].nodes) return "node set " + p.nodeSets[i].name;
+  const auto same = [](const Haptos::ElementSide& s, const Haptos::ElementSide& t) { return s.element == t.element && s.side == t.side; };
+  for (std::size_t i = 0; i < p.sideSets.size(); ++i) {
+    const auto &s = p.sideSets[i].sides, &t = q.sideSets[i].sides;
+    if (!std::equal(s.begin(), s.end(), t.begin(), t.end(), same)) return "side set " + p.sideSets[i].name;
+  }
+  return "";
 }
 
 }  // namespace HaptosTest
