@@ -69,7 +69,8 @@ class Ownership {
     std::iota(parent_.begin(), parent_.end(), std::int64_t(0));
     for (const auto& interface : interfaces)
       for (const auto& pair : interface.pairs) {
-        if (pair.primaryNode >= 0) parent_[root(pair.secondaryNode)] = root(pair.primaryNode);
+        for (const auto* side : {&pair.secondary, &pair.primary})
+          for (const NodeWeight& other : *side) parent_[root(pair.secondaryNode)] = root(other.node);
       }
     lowest_.assign(parent_.size(), -1);
     highest_.assign(parent_.size(), -1);
@@ -133,8 +134,7 @@ class RowBuilder {
   }
 
   GlobalOrdinal addContact(RowKind kind, const ContactPair& pair, const std::array<double, 3>& direction, double c) {
-    addMean(pair.secondaryNode, direction, +1.0, c);
-    if (pair.primaryNode >= 0) addMean(pair.primaryNode, direction, -1.0, c);
+    addJump(pair, direction, c);
     return closeRow(kind, c, pair.secondaryNode);
   }
 
@@ -144,8 +144,7 @@ class RowBuilder {
     std::array<double, 3> axis{0, 0, 0};
     axis[component] = 1;
     double c = 0;
-    addMean(pair.secondaryNode, axis, +1.0, c);
-    if (pair.primaryNode >= 0) addMean(pair.primaryNode, axis, -1.0, c);
+    addJump(pair, axis, c);
     if (rows.entries.size() > rows.offsets.back()) {
       closeRow(RowKind::Tied, c, pair.secondaryNode);
       return;
@@ -167,17 +166,22 @@ class RowBuilder {
     return it != prescribed_.end() && it->node == node && it->component == component ? &*it : nullptr;
   }
 
-  // sign * direction . (mean of the copies of node); prescribed components move to the right-hand side.
-  void addMean(std::int64_t node, const std::array<double, 3>& direction, double sign, double& c) {
+  void addJump(const ContactPair& pair, const std::array<double, 3>& direction, double& c) {
+    for (const auto& [node, weight] : pair.secondary) addMean(node, direction, +weight, c);
+    for (const auto& [node, weight] : pair.primary) addMean(node, direction, -weight, c);
+  }
+
+  // factor * direction . (mean of the copies of node); prescribed components move to the right-hand side.
+  void addMean(std::int64_t node, const std::array<double, 3>& direction, double factor, double& c) {
     constexpr double kRoundOff = 1e-12;  // of a unit vector: such entries would only hide an empty row
     const int mu = copies_.count(node);
     for (int component = 0; component < 3; ++component) {
-      const double value = sign * direction[component];
+      const double value = factor * direction[component];
       if (const auto* p = findPrescribed(node, component)) {
         c -= value * p->value;
         continue;
       }
-      if (std::abs(value) < kRoundOff) continue;
+      if (std::abs(direction[component]) < kRoundOff) continue;
       for (int i = 0; i < mu; ++i) addEntry(copies_.begin(node)[i], component, value / mu);
     }
   }

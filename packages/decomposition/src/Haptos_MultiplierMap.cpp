@@ -29,6 +29,27 @@ struct Share {
   std::vector<SentEntry> overlap;
 };
 
+void packPair(ByteWriter& writer, const PairRows& pair) {
+  writer.write(pair.interface);
+  writer.write(pair.pair);
+  writer.write(pair.normal);
+  for (GlobalOrdinal row : pair.tangential) writer.write(row);
+  pack(writer, pair.geometry);
+}
+
+LocalPair unpackPair(ByteReader& reader, const Map& map) {
+  LocalPair pair;
+  pair.interface = reader.read<int>();
+  pair.pair = reader.read<int>();
+  pair.normal = map.getLocalElement(reader.read<GlobalOrdinal>());
+  for (int& row : pair.tangential) {
+    const auto global = reader.read<GlobalOrdinal>();
+    row = global < 0 ? -1 : map.getLocalElement(global);
+  }
+  pair.geometry = unpackContactPair(reader);
+  return pair;
+}
+
 std::vector<Bytes> packShares(const ConstraintRows& rows, const std::vector<int>& rankOfSubdomain, int ranks) {
   std::vector<Share> shares(ranks);
   for (GlobalOrdinal row = 0; row < rows.numRows(); ++row) {
@@ -59,8 +80,9 @@ std::vector<Bytes> packShares(const ConstraintRows& rows, const std::vector<int>
     writer.write(share.nodes);
     writer.write(share.offsets);
     writer.write(share.entries);
-    writer.write(share.pairs);
     writer.write(share.overlap);
+    writer.write(share.pairs.size());
+    for (const auto& pair : share.pairs) packPair(writer, pair);
     messages.push_back(writer.take());
     share = {};
   }
@@ -85,7 +107,6 @@ MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const Constrai
   nodes_ = reader.readVector<std::int64_t>();
   ownedOffsets_ = reader.readVector<std::size_t>();
   ownedEntries_ = reader.readVector<RowEntry>();
-  const auto pairs = reader.readVector<PairRows>();
   auto overlap = reader.readVector<SentEntry>();
 
   std::vector<GlobalOrdinal> touched;
@@ -102,12 +123,8 @@ MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const Constrai
     if (!isEquality(kinds_[row])) contactRows_.push_back(int(row));
   contactMap_ = mapOfRows(*map_, contactRows_);
 
-  for (const auto& pair : pairs) {
-    LocalPair local{pair.interface, pair.pair, map_->getLocalElement(pair.normal), {-1, -1}, pair.geometry};
-    for (int t = 0; t < 2; ++t)
-      if (pair.tangential[t] >= 0) local.tangential[t] = map_->getLocalElement(pair.tangential[t]);
-    pairs_.push_back(local);
-  }
+  pairs_.resize(reader.read<std::size_t>());
+  for (auto& pair : pairs_) pair = unpackPair(reader, *map_);
   for (const auto& sent : overlap)
     overlapEntries_.push_back({overlapMap_->getLocalElement(sent.row), sent.entry.subdomain, sent.entry.dof,
                                sent.entry.value, sent.entry.weight});

@@ -86,13 +86,13 @@ class SubdomainGraph {
   }
 
   void addPair(const NodeSubdomains& of, const ContactPair& pair, bool tied) {
-    for (auto node : {pair.secondaryNode, pair.primaryNode}) {
-      if (node < 0 || tied) continue;
-      for (const int* a = of.begin(node); a != of.end(node); ++a) ++contactNodes_[std::size_t(*a)];
-    }
-    if (pair.primaryNode < 0) return;
-    for (const int* a = of.begin(pair.secondaryNode); a != of.end(pair.secondaryNode); ++a)
-      for (const int* b = of.begin(pair.primaryNode); b != of.end(pair.primaryNode); ++b) couple(*a, *b, tied ? 1 : kContactExchanges);
+    for (const auto* side : {&pair.secondary, &pair.primary})
+      for (const NodeWeight& i : *side)
+        for (const int* a = of.begin(i.node); a != of.end(i.node) && !tied; ++a) ++contactNodes_[std::size_t(*a)];
+    for (const NodeWeight& i : pair.secondary)
+      for (const NodeWeight& j : pair.primary)
+        for (const int* a = of.begin(i.node); a != of.end(i.node); ++a)
+          for (const int* b = of.begin(j.node); b != of.end(j.node); ++b) couple(*a, *b, tied ? 1 : kContactExchanges);
   }
 
   std::vector<idx_t> work_, contactNodes_;         // [subdomains]

@@ -106,7 +106,7 @@ TEUCHOS_UNIT_TEST(ConstraintRows, ContactRowsAreJumpsOfTheMean) {
   bool averaged = false;
   for (const auto& pair : scene.rows.pairs) {
     const auto& [secondary, copies] = mean.at(pair.geometry.secondaryNode);
-    const auto& [primary, otherCopies] = mean.at(pair.geometry.primaryNode);
+    const auto& [primary, otherCopies] = mean.at(pair.geometry.primary.at(0).node);
     averaged = averaged || copies > 1 || otherCopies > 1;
     const Eigen::Vector3d d = secondary / copies - primary / otherCopies;
     const auto along = [&](const Point& axis) { return d.dot(Eigen::Vector3d(axis[0], axis[1], axis[2])); };
@@ -128,7 +128,7 @@ TEUCHOS_UNIT_TEST(ConstraintRows, PrescribedComponentsMoveToTheRightHandSide) {
   const Dense B = denseB(scene);
   int pinned = 0, half = 0;
   for (const auto& pair : scene.rows.pairs) {
-    const auto s = pair.geometry.secondaryNode, p = pair.geometry.primaryNode;
+    const auto s = pair.geometry.secondaryNode, p = pair.geometry.primary.at(0).node;
     const bool normalHeld = given.count({s, 2}) && given.count({p, 2});
     TEST_EQUALITY(bool(scene.rows.pinned[pair.normal]), normalHeld);
     pinned += normalHeld;
@@ -149,7 +149,7 @@ TEUCHOS_UNIT_TEST(ConstraintRows, PrescribedComponentsMoveToTheRightHandSide) {
   for (const auto& sub : scene.subdomains)
     for (int i = 0; i < sub.numNodes(); ++i) nodal[sub.nodes[i]] = u.segment<3>(offsets[sub.id] + 3 * i);
   for (const auto& pair : scene.rows.pairs) {
-    const Eigen::Vector3d d = nodal[pair.geometry.secondaryNode] - nodal[pair.geometry.primaryNode];
+    const Eigen::Vector3d d = nodal[pair.geometry.secondaryNode] - nodal[pair.geometry.primary.at(0).node];
     const Eigen::Vector3d n(pair.geometry.frame.normal.data()), t1(pair.geometry.frame.t1.data());
     TEST_ASSERT(near(B.row(pair.normal).dot(u) - scene.rows.c[pair.normal], n.dot(d) - pair.geometry.gap));
     TEST_ASSERT(near(B.row(pair.tangential[0]).dot(u) - scene.rows.c[pair.tangential[0]], t1.dot(d)));
@@ -194,8 +194,8 @@ TEUCHOS_UNIT_TEST(ConstraintRows, RowsOfOneNodeOrPairHaveOneOwner) {
   for (GlobalOrdinal row = 0; row < scene.rows.numRows(); ++row) owners[scene.rows.node[row]].insert(scene.rows.owner[row]);
   for (const auto& [node, ranks] : owners) TEST_EQUALITY(int(ranks.size()), 1);
   for (const auto& pair : scene.rows.pairs)
-    if (owners.count(pair.geometry.primaryNode))
-      TEST_EQUALITY(*owners[pair.geometry.primaryNode].begin(), scene.rows.owner[pair.normal]);
+    if (owners.count(pair.geometry.primary.at(0).node))
+      TEST_EQUALITY(*owners[pair.geometry.primary.at(0).node].begin(), scene.rows.owner[pair.normal]);
 }
 
 // Laws are evaluated where the pairs are owned: by the ranks of both bodies.

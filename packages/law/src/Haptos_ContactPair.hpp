@@ -4,20 +4,48 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_LocalFrame.hpp"
 
 namespace Haptos {
 
-/// \brief One node on the secondary side and what it may touch.
+/// \brief What the displacement of one node counts in a mean over nodes.
+struct NodeWeight {
+  std::int64_t node;  ///< mesh index
+  double weight;
+};
+
+/// \brief One multiplier node on the secondary side and what it may touch.
 ///
-/// [u] = u_secondary - u_primary obeys [u] . normal <= gap; u_primary = 0 on a rigid plane.
+/// [u] = sum of weight x u over `secondary` - the same over `primary` obeys [u] . normal <= gap.  Node to node is one node of
+/// weight 1 on either side; nothing moves on a rigid obstacle, whose list is empty.
 struct ContactPair {
-  std::int64_t secondaryNode;  ///< mesh index
-  std::int64_t primaryNode;    ///< mesh index; -1: rigid plane
+  std::int64_t secondaryNode;  ///< mesh index of the node whose multiplier it is
+  std::vector<NodeWeight> secondary, primary;
   LocalFrame frame;            ///< normal: outward from the secondary surface; rigid plane: -Normal
   double gap;                  ///< initial distance along the normal; negative: initial penetration
   double area;                 ///< tributary area of the secondary node
 };
+
+inline void pack(ByteWriter& writer, const ContactPair& pair) {
+  writer.write(pair.secondaryNode);
+  writer.write(pair.secondary);
+  writer.write(pair.primary);
+  writer.write(pair.frame);
+  writer.write(pair.gap);
+  writer.write(pair.area);
+}
+
+inline ContactPair unpackContactPair(ByteReader& reader) {
+  ContactPair pair;
+  pair.secondaryNode = reader.read<std::int64_t>();
+  pair.secondary = reader.readVector<NodeWeight>();
+  pair.primary = reader.readVector<NodeWeight>();
+  pair.frame = reader.read<LocalFrame>();
+  pair.gap = reader.read<double>();
+  pair.area = reader.read<double>();
+  return pair;
+}
 
 struct ContactInterface {
   std::string name;

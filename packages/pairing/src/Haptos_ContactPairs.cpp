@@ -105,7 +105,7 @@ void pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSur
       ++interface.unpairedNodes;
       continue;
     }
-    interface.pairs.push_back({secondary.nodes[i], primary.nodes[std::size_t(match.partner[i])],
+    interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{primary.nodes[std::size_t(match.partner[i])], 1.0}},
                                makeFrame(secondary.normals[i], spec.principalDirection), match.gap[i],
                                secondary.areas[i]});
   }
@@ -126,7 +126,7 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
     best = std::max(best, Vec3::dot(secondary.normals[i], frame.normal));
     const auto fromPlane = Vec3::subtract(secondary.coordinates[i], spec.rigidPlane->point);
     interface.pairs.push_back(
-        {secondary.nodes[i], -1, frame, -Vec3::dot(fromPlane, frame.normal), secondary.areas[i]});
+        {secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {}, frame, -Vec3::dot(fromPlane, frame.normal), secondary.areas[i]});
   }
   HAPTOS_REFUSE_IF(best <= 1e-6,
                    "Contact '" << spec.name << "': no face of side set '" << secondary.name

@@ -12,20 +12,26 @@
 namespace Haptos {
 namespace {
 
+PairResult startResult(const ContactPair& geometry, int interface, int pair) {
+  PairResult result{};
+  result.interface = interface;
+  result.pair = pair;
+  result.secondaryNode = geometry.secondaryNode;
+  result.axis = geometry.frame.t1;
+  result.normal = geometry.frame.normal;
+  result.secondary = geometry.secondary;
+  result.primary = geometry.primary;
+  return result;
+}
+
 PairResult describePair(const LocalPair& local, const PairLaw& law, const std::array<double, 3>& l,
                         const std::array<double, 3>& s, double openForce) {
   const ContactPair& geometry = local.geometry;
-  PairResult result{};
-  result.interface = local.interface;
-  result.pair = local.pair;
-  result.secondaryNode = geometry.secondaryNode;
-  result.primaryNode = geometry.primaryNode;
+  PairResult result = startResult(geometry, local.interface, local.pair);
   for (int d = 0; d < 3; ++d) {
     result.tangentialForce[d] = -(l[1] * geometry.frame.t1[d] + l[2] * geometry.frame.t2[d]);
     result.force[d] = result.tangentialForce[d] - l[0] * geometry.frame.normal[d];
   }
-  result.axis = geometry.frame.t1;
-  result.normal = geometry.frame.normal;
   result.normalForce = l[0];
   result.pressure = l[0] / geometry.area;
   result.gap = -s[0];
@@ -41,16 +47,18 @@ struct TiedForce {
   double value;
 };
 
-// What the ranks have, on rank 0.  Collective.
-template <class Item>
-std::vector<Item> allOnRoot(const Communicator& comm, const std::vector<Item>& mine) {
+// The pairs of all ranks, on rank 0.  Collective.
+std::vector<PairResult> allOnRoot(const Communicator& comm, const std::vector<PairResult>& mine) {
   ByteWriter writer;
-  writer.write(mine);
-  std::vector<Item> all;
-  for (const auto& message : gatherOnRoot(comm, writer.take())) {
-    const auto part = ByteReader(message).readVector<Item>();
-    all.insert(all.end(), part.begin(), part.end());
+  for (const PairResult& pair : mine) {
+    writer.write(static_cast<const PairState&>(pair));
+    writer.write(pair.secondary);
+    writer.write(pair.primary);
   }
+  std::vector<PairResult> all;
+  for (const auto& message : gatherOnRoot(comm, writer.take()))
+    for (ByteReader reader(message); !reader.atEnd();)
+      all.push_back({reader.read<PairState>(), reader.readVector<NodeWeight>(), reader.readVector<NodeWeight>()});
   return all;
 }
 
@@ -62,24 +70,24 @@ std::vector<TiedForce> gatherTiedForces(const MultiplierMap& multipliers, const 
     const RowEntry& entry = multipliers.ownedEntries()[multipliers.ownedOffsets()[row]];
     mine.push_back({multipliers.map()->getGlobalElement(int(row)), multipliers.nodes()[row], entry.dof % 3, l[row]});
   }
-  auto all = allOnRoot(*multipliers.map()->getComm(), mine);
+  ByteWriter writer;
+  writer.write(mine);
+  std::vector<TiedForce> all;
+  for (const auto& message : gatherOnRoot(*multipliers.map()->getComm(), writer.take())) {
+    const auto part = ByteReader(message).readVector<TiedForce>();
+    all.insert(all.end(), part.begin(), part.end());
+  }
   std::sort(all.begin(), all.end(), [](const TiedForce& a, const TiedForce& b) { return a.row < b.row; });
   return all;
 }
 
-PairResult describeTied(const ContactPair& geometry, const std::array<double, 3>& force) {
-  PairResult result{};
-  result.secondaryNode = geometry.secondaryNode;
-  result.primaryNode = geometry.primaryNode;
+void describeTied(const ContactPair& geometry, const std::array<double, 3>& force, PairResult& result) {
   result.force = force;
-  result.axis = geometry.frame.t1;
-  result.normal = geometry.frame.normal;
   result.normalForce = -Vec3::dot(force, result.normal);
   for (int d = 0; d < 3; ++d) result.tangentialForce[d] = force[d] + result.normalForce * result.normal[d];
   result.pressure = result.normalForce / geometry.area;
   result.gap = geometry.gap;
   result.status = ContactStatus::Stick;
-  return result;
 }
 
 }  // namespace
@@ -95,21 +103,21 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
       std::array<double, 3> force{0, 0, 0};
       for (int d = 0; d < 3; ++d)
         if (next != forces.end() && next->node == pair.secondaryNode && next->component == d) force[d] = -(next++)->value;
-      results.push_back(describeTied(pair, force));
-      results.back().interface = int(k);
-      results.back().pair = int(i);
+      results.push_back(startResult(pair, int(k), int(i)));
+      describeTied(pair, force, results.back());
     }
   return results;
 }
 
 void setSlip(const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
-  const auto at = [&](std::int64_t node) -> std::array<double, 3> {
-    if (node < 0) return {0, 0, 0};  // a rigid plane
-    const double* u = displacement.data() + 3 * node;
-    return {u[0], u[1], u[2]};
+  const auto sumOf = [&](const std::vector<NodeWeight>& side) {
+    std::array<double, 3> sum{0, 0, 0};
+    for (const auto& [node, weight] : side)
+      for (int d = 0; d < 3; ++d) sum[d] += weight * displacement[3 * std::size_t(node) + std::size_t(d)];
+    return sum;
   };
   for (PairResult& pair : pairs) {
-    const auto jump = Vec3::subtract(at(pair.secondaryNode), at(pair.primaryNode));
+    const auto jump = Vec3::subtract(sumOf(pair.secondary), sumOf(pair.primary));
     const double opening = Vec3::dot(jump, pair.normal);
     for (int d = 0; d < 3; ++d) pair.slip[d] = jump[d] - opening * pair.normal[d];
   }

@@ -11,12 +11,11 @@
 namespace Haptos {
 
 /// \brief One contact pair after the solve, in global axes; plain data, to be sent.
-struct PairResult {
+struct PairState {
   int interface;
   int pair;                    ///< position in the interface's pairs
   std::int64_t secondaryNode;  ///< mesh node
-  std::int64_t primaryNode;    ///< mesh node, -1: rigid plane
-  std::array<double, 3> force; ///< on the secondary node: -(lambda_N n + lambda_T1 t1 + lambda_T2 t2)
+  std::array<double, 3> force; ///< on the secondary side: -(lambda_N n + lambda_T1 t1 + lambda_T2 t2)
   std::array<double, 3> tangentialForce;  ///< its tangential part
   double normalForce;          ///< lambda_N >= 0
   double pressure;             ///< lambda_N / tributary area
@@ -25,6 +24,11 @@ struct PairResult {
   std::array<double, 3> axis;    ///< t1
   std::array<double, 3> normal;  ///< n, out of the secondary surface
   ContactStatus status;          ///< Stick for tied pairs
+};
+
+/// \brief The same with the nodes that share it: weight x force acts on a secondary one, - weight x force on a primary one.
+struct PairResult : PairState {
+  std::vector<NodeWeight> secondary, primary;
 };
 
 /// \brief The contact pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.

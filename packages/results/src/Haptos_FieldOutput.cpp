@@ -4,6 +4,7 @@
 #include <Teuchos_Comm.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "Haptos_Exchange.hpp"
 
@@ -27,22 +28,21 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
   }
 }
 
-// Contact quantities on the nodes; both nodes of a pair get them, the primary one the opposite force.
+// Contact quantities on the nodes; those of both sides of a pair get them, the primary ones the opposite force.
 struct ContactFields {
   Values force, slip, axis, normalForce, pressure, gap, status;
 
   explicit ContactFields(std::size_t n)
       : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0) {}
 
-  void add(std::int64_t node, double sign, const PairResult& pair) {
-    if (node < 0) return;
+  void add(std::int64_t node, double factor, const PairResult& pair) {
     const std::size_t i = std::size_t(node);
     for (int d = 0; d < 3; ++d) {
-      force[3 * i + d] += sign * pair.force[d];
+      force[3 * i + d] += factor * pair.force[d];
       slip[3 * i + d] = pair.slip[d];
       axis[3 * i + d] = pair.axis[d];
     }
-    normalForce[i] += pair.normalForce;
+    normalForce[i] += std::abs(factor) * pair.normalForce;
     pressure[i] += pair.pressure;
     gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
     status[i] = std::max(status[i], double(int(pair.status)));
@@ -86,8 +86,8 @@ ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& d
   addVector(fields, "displacement", displacement);
   ContactFields contact(numNodes);
   for (const auto& pair : pairs) {
-    contact.add(pair.secondaryNode, +1.0, pair);
-    contact.add(pair.primaryNode, -1.0, pair);
+    for (const auto& [node, weight] : pair.secondary) contact.add(node, +weight, pair);
+    for (const auto& [node, weight] : pair.primary) contact.add(node, -weight, pair);
   }
   addVector(fields, "contact_force", contact.force);
   fields.nodal.emplace_back("contact_normal_force", std::move(contact.normalForce));

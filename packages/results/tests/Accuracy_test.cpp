@@ -179,11 +179,10 @@ TEUCHOS_UNIT_TEST(ContactResults, ForcesBalanceAndStatesAreCounted) {
 
 TEUCHOS_UNIT_TEST(ContactResults, SlipIsTheTangentialJump) {
   std::vector<PairResult> pairs(2);
-  pairs[0].secondaryNode = 1;
-  pairs[0].primaryNode = 0;
+  pairs[0].secondary = {{1, 1.0}};
+  pairs[0].primary = {{0, 1.0}};
   pairs[0].normal = {0, 0.6, 0.8};
-  pairs[1].secondaryNode = 0;
-  pairs[1].primaryNode = -1;  // a rigid plane does not move
+  pairs[1].secondary = {{0, 1.0}};  // a rigid plane has no nodes
   pairs[1].normal = {1, 0, 0};
   setSlip({3, 4, 5, 1, 7, 8}, pairs);
   const double slip[2][3] = {{-2, 3 - 0.6 * 4.2, 3 - 0.8 * 4.2}, {0, 4, 5}};

@@ -71,7 +71,8 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
   const std::vector<double> displacement{1, 2, 3, 4, 5, 6, 7, 8, 9};
   PairResult pair{};
   pair.secondaryNode = 2;
-  pair.primaryNode = 0;
+  pair.secondary = {{2, 1.0}};
+  pair.primary = {{0, 1.0}};
   pair.force = {0.1, 0.2, 5};
   pair.normalForce = 5;
   pair.gap = 0.25;
