@@ -4,16 +4,19 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
 #include <set>
 
 #include "Haptos_Error.hpp"
 #include "Haptos_ExodusHandle.hpp"
 #include "Haptos_NetcdfFile.hpp"
+#include "Haptos_SetMembers.hpp"
 
 namespace Haptos {
 namespace {
@@ -74,26 +77,47 @@ bool isTet4(const std::string& type, Index nodes) {
          (digits.empty() || digits == "4") && nodes == 4;
 }
 
-/// \brief Reads one file part by part; each part is checked before the next relies on it.
+/// \brief A stretch of one of several arrays that are counted one after the other.
+struct Stretch {
+  std::size_t array;
+  Index first, count;  ///< in the array
+};
+
+/// \param starts [arrays + 1] of the arrays in the common count
+std::vector<Stretch> stretchesBetween(const std::vector<Index>& starts, Index begin, Index end) {
+  std::vector<Stretch> stretches;
+  for (std::size_t a = 0; a + 1 < starts.size(); ++a) {
+    const Index from = std::clamp(begin, starts[a], starts[a + 1]), to = std::clamp(end, starts[a], starts[a + 1]);
+    if (from < to) stretches.push_back({a, from - starts[a], to - from});
+  }
+  return stretches;
+}
+
+/// \brief Reads one rank's share of one file, part by part; each part is checked before the next relies on it.
+///
+/// No method communicates but `read`.
 class Reader {
  public:
-  explicit Reader(const std::string& path) : path_(path), file_(openForReading(path)) {
-    if (!file_.isOpen())
-      refuse(
-          "it cannot be opened as an Exodus II file: it is cut short, damaged, or another kind of netCDF "
-          "file.");
-    // The largest compression of the formats is about a thousandfold.
-    largestCount_ = 1000.0 * double(std::filesystem::file_size(path));
+  Reader(const Communicator& comm, const std::string& path) : comm_(comm), path_(path) {
+    share_.rank = comm.getRank();
   }
 
-  Mesh read() {
-    readSizes();
-    readNumberMaps();
-    readCoordinates();
-    readBlocks();
-    readNodeSets();
-    readSideSets();
-    return std::move(mesh_);
+  /// Collective.
+  MeshShare read() {
+    runOnAllRanks(comm_, [&] {
+      requireWholeNetcdfFile(path_);
+      open();
+      readSizes();
+    });
+    runOnAllRanks(comm_, [&] { readNumberMaps(); });
+    runOnAllRanks(comm_, [&] { readCoordinates(); });
+    runOnAllRanks(comm_, [&] { readBlocks(); });
+    std::vector<SetMember> nodes, sides;
+    runOnAllRanks(comm_, [&] { nodes = readNodeSets(); });
+    dealSetNodes(comm_, nodes, share_);
+    runOnAllRanks(comm_, [&] { sides = readSideSets(); });
+    dealSides(comm_, sides, share_);
+    return std::move(share_);
   }
 
  private:
@@ -110,11 +134,21 @@ class Reader {
     return std::size_t(count);
   }
 
+  void open() {
+    file_ = std::make_unique<ExodusHandle>(openForReading(path_));
+    if (!file_->isOpen())
+      refuse(
+          "it cannot be opened as an Exodus II file: it is cut short, damaged, or another kind of netCDF "
+          "file.");
+    // The largest compression of the formats is about a thousandfold.
+    largestCount_ = 1000.0 * double(std::filesystem::file_size(path_));
+  }
+
   void readSizes() {
-    require(ex_get_init_ext(file_.id(), &sizes_), "the sizes of the mesh");
+    require(ex_get_init_ext(file_->id(), &sizes_), "the sizes of the mesh");
     sizes_.title[MAX_LINE_LENGTH] = '\0';
-    mesh_.title = sizes_.title;
-    mesh_.wideIntegers = (ex_int64_status(file_.id()) & EX_ALL_INT64_DB) != 0;
+    share_.part.title = sizes_.title;
+    share_.part.wideIntegers = (ex_int64_status(file_->id()) & EX_ALL_INT64_DB) != 0;
     if (sizes_.num_dim != 3)
       refuse("the mesh has " + std::to_string(sizes_.num_dim) +
              " dimensions; a three-dimensional one is wanted.");
@@ -126,28 +160,37 @@ class Reader {
     if (sizes_.num_nodes == 0 || sizes_.num_elem == 0)
       refuse("the mesh has " + std::to_string(sizes_.num_nodes) + " nodes and " +
              std::to_string(sizes_.num_elem) + " elements.");
+    share_.nodes = {sizes_.num_nodes, comm_.getSize()};
+    share_.elements = {sizes_.num_elem, comm_.getSize()};
   }
 
   void readNumberMaps() {
-    mesh_.nodeNumbers.resize(std::size_t(sizes_.num_nodes));
-    mesh_.elementNumbers.resize(std::size_t(sizes_.num_elem));
-    require(ex_get_id_map(file_.id(), EX_NODE_MAP, mesh_.nodeNumbers.data()), "the node number map");
-    require(ex_get_id_map(file_.id(), EX_ELEM_MAP, mesh_.elementNumbers.data()), "the element number map");
+    share_.part.nodeNumbers = readNumbers(EX_NODE_MAP, share_.nodes, "the node number map");
+    share_.part.elementNumbers = readNumbers(EX_ELEM_MAP, share_.elements, "the element number map");
+  }
+
+  std::vector<Index> readNumbers(ex_entity_type type, const EvenRanges& ranges, const char* what) const {
+    const Index n = ranges.count(share_.rank);
+    std::vector<Index> numbers(std::size_t(n), 0);
+    if (n > 0)
+      require(ex_get_partial_id_map(file_->id(), type, ranges.begin(share_.rank) + 1, n, numbers.data()), what);
+    return numbers;
   }
 
   void readCoordinates() {
-    const auto n = std::size_t(sizes_.num_nodes);
+    const auto n = std::size_t(share_.nodes.count(share_.rank));
+    if (n == 0) return;
     std::array<std::vector<double>, 3> x;
     for (auto& component : x) component.resize(n);
-    require(ex_get_partial_coord(file_.id(), 1, sizes_.num_nodes, x[0].data(), x[1].data(), x[2].data()),
+    require(ex_get_partial_coord(file_->id(), share_.firstNode() + 1, Index(n), x[0].data(), x[1].data(), x[2].data()),
             "the coordinates of the nodes");
-    mesh_.coordinates.resize(n);
+    share_.part.coordinates.resize(n);
     for (std::size_t i = 0; i < n; ++i)
       for (std::size_t c = 0; c < 3; ++c) {
         if (!std::isfinite(x[c][i]))
-          refuse("node " + std::to_string(mesh_.nodeNumbers[i]) + " has the " + "xyz"[c] + " coordinate " +
+          refuse("node " + std::to_string(share_.part.nodeNumbers[i]) + " has the " + "xyz"[c] + " coordinate " +
                  std::to_string(x[c][i]) + "; coordinates must be finite.");
-        mesh_.coordinates[i][c] = x[c][i];
+        share_.part.coordinates[i][c] = x[c][i];
       }
   }
 
@@ -155,7 +198,7 @@ class Reader {
   /// them.
   std::vector<Index> readIds(ex_entity_type type, Index count, const std::string& kind) const {
     std::vector<Index> ids(std::size_t(count), 0);
-    if (count > 0) require(ex_get_ids(file_.id(), type, ids.data()), "the numbers of the " + kind + "s");
+    if (count > 0) require(ex_get_ids(file_->id(), type, ids.data()), "the numbers of the " + kind + "s");
     std::set<Index> seen;
     for (const Index id : ids)
       if (!seen.insert(id).second)
@@ -167,13 +210,13 @@ class Reader {
     std::vector<std::string> names(std::size_t(count), std::string{});
     if (count == 0) return names;
     // Names longer than the library's default of 32 characters come whole only when asked for.
-    const auto stored = ex_inquire_int(file_.id(), EX_INQ_DB_MAX_ALLOWED_NAME_LENGTH);
+    const auto stored = ex_inquire_int(file_->id(), EX_INQ_DB_MAX_ALLOWED_NAME_LENGTH);
     const int length = int(std::clamp<Index>(stored, MAX_STR_LENGTH, 4096));
-    ex_set_max_name_length(file_.id(), length);
+    ex_set_max_name_length(file_->id(), length);
     std::vector<std::vector<char>> buffers(names.size(), std::vector<char>(std::size_t(length) + 2, '\0'));
     std::vector<char*> pointers;
     for (auto& buffer : buffers) pointers.push_back(buffer.data());
-    require(ex_get_names(file_.id(), type, pointers.data()), "the names of the " + kind + "s");
+    require(ex_get_names(file_->id(), type, pointers.data()), "the names of the " + kind + "s");
     for (std::size_t i = 0; i < names.size(); ++i) {
       names[i] = pointers[i];
       names[i].erase(names[i].find_last_not_of(' ') + 1);
@@ -184,20 +227,34 @@ class Reader {
   void readBlocks() {
     const auto ids = readIds(EX_ELEM_BLOCK, sizes_.num_elem_blk, "element block");
     const auto names = readNames(EX_ELEM_BLOCK, sizes_.num_elem_blk, "element block");
-    for (std::size_t b = 0; b < ids.size(); ++b) mesh_.blocks.push_back(readBlock(ids[b], names[b]));
-    if (Index(mesh_.numElements()) != sizes_.num_elem)
+    auto& blocks = share_.part.blocks;
+    share_.blockStarts = {0};
+    for (std::size_t b = 0; b < ids.size(); ++b) {
+      blocks.push_back({ids[b], names[b], Topology::Hex8, {}});
+      share_.blockStarts.push_back(share_.blockStarts.back() + readBlockSize(blocks.back()));
+    }
+    if (share_.blockStarts.back() != sizes_.num_elem)
       refuse("it states " + std::to_string(sizes_.num_elem) + " elements, but its element blocks hold " +
-             std::to_string(mesh_.numElements()) + "; the file is damaged.");
+             std::to_string(share_.blockStarts.back()) + "; the file is damaged.");
+    for (const auto& s : stretchesBetween(share_.blockStarts, share_.firstElement(), share_.endElement())) {
+      const std::string what = "element block " + quoted(ids[s.array], names[s.array]);
+      auto& block = blocks[s.array];
+      block.connectivity.resize(std::size_t(s.count * nodesPerElement(block.topology)));
+      require(ex_get_partial_conn(file_->id(), EX_ELEM_BLOCK, ids[s.array], s.first + 1, s.count, block.connectivity.data(),
+                                  nullptr, nullptr),
+              "the connectivity of " + what);
+      makeZeroBased(block.connectivity, what);
+    }
   }
 
-  ElementBlock readBlock(Index id, const std::string& name) const {
-    const std::string what = "element block " + quoted(id, name);
+  /// Sets the topology.
+  Index readBlockSize(ElementBlock& block) const {
+    const std::string what = "element block " + quoted(block.id, block.name);
     ex_block info{};
-    info.id = id;
+    info.id = block.id;
     info.type = EX_ELEM_BLOCK;
-    require(ex_get_block_param(file_.id(), &info), what);
-    ElementBlock block{id, name, Topology::Hex8, {}};
-    if (info.num_entry == 0) return block;  // "NULL", or any type without elements
+    require(ex_get_block_param(file_->id(), &info), what);
+    if (info.num_entry == 0) return 0;  // "NULL", or any type without elements
 
     info.topology[MAX_STR_LENGTH] = '\0';
     if (isTet4(info.topology, info.num_nodes_per_entry))
@@ -205,13 +262,7 @@ class Reader {
     else if (!isHex8(info.topology, info.num_nodes_per_entry))
       refuse(what + " has elements of type '" + info.topology + "' with " +
              std::to_string(info.num_nodes_per_entry) + " nodes; only HEX8 and TET4 are supported.");
-    const auto n = checkedCount(info.num_entry, "elements in " + what);
-    block.connectivity.resize(n * std::size_t(info.num_nodes_per_entry));
-    require(ex_get_partial_conn(file_.id(), EX_ELEM_BLOCK, id, 1, info.num_entry, block.connectivity.data(),
-                                nullptr, nullptr),
-            "the connectivity of " + what);
-    makeZeroBased(block.connectivity, what);
-    return block;
+    return Index(checkedCount(info.num_entry, "elements in " + what));
   }
 
   void makeZeroBased(std::vector<Index>& nodes, const std::string& owner) const {
@@ -223,47 +274,59 @@ class Reader {
     }
   }
 
-  std::size_t readSetSize(ex_entity_type type, Index id, const std::string& what) const {
-    Index entries = 0, factors = 0;
-    require(ex_get_set_param(file_.id(), type, id, &entries, &factors), what);
-    return checkedCount(entries, "entries in " + what);
-  }
-
-  void readNodeSets() {
-    const auto ids = readIds(EX_NODE_SET, sizes_.num_node_sets, "node set");
-    const auto names = readNames(EX_NODE_SET, sizes_.num_node_sets, "node set");
+  /// Ids, names and sizes of all sets of a kind.  \return this rank's stretches of their members, which it shall read.
+  template <class Set>
+  std::vector<Stretch> readSets(ex_entity_type type, Index count, const std::string& kind, std::vector<Set>& sets,
+                                std::vector<Index>& sizes) const {
+    const auto ids = readIds(type, count, kind);
+    const auto names = readNames(type, count, kind);
+    std::vector<Index> starts{0};
     for (std::size_t s = 0; s < ids.size(); ++s) {
-      const std::string what = "node set " + quoted(ids[s], names[s]);
-      NodeSet set{ids[s], names[s], std::vector<Index>(readSetSize(EX_NODE_SET, ids[s], what))};
-      if (!set.nodes.empty())
-        require(ex_get_set(file_.id(), EX_NODE_SET, ids[s], set.nodes.data(), nullptr), what);
-      makeZeroBased(set.nodes, what);
-      mesh_.nodeSets.push_back(std::move(set));
+      const std::string what = kind + " " + quoted(ids[s], names[s]);
+      Index entries = 0, factors = 0;
+      require(ex_get_set_param(file_->id(), type, ids[s], &entries, &factors), what);
+      sizes.push_back(Index(checkedCount(entries, "entries in " + what)));
+      sets.push_back({ids[s], names[s], {}});
+      starts.push_back(starts.back() + sizes.back());
     }
+    const EvenRanges members{starts.back(), comm_.getSize()};
+    return stretchesBetween(starts, members.begin(share_.rank), members.begin(share_.rank + 1));
   }
 
-  void readSideSets() {
-    const auto ids = readIds(EX_SIDE_SET, sizes_.num_side_sets, "side set");
-    const auto names = readNames(EX_SIDE_SET, sizes_.num_side_sets, "side set");
-    const auto offsets = blockOffsets(mesh_);
-    for (std::size_t s = 0; s < ids.size(); ++s) {
-      const std::string what = "side set " + quoted(ids[s], names[s]);
-      const auto n = readSetSize(EX_SIDE_SET, ids[s], what);
-      std::vector<Index> elements(n), sides(n);
-      if (n > 0) require(ex_get_set(file_.id(), EX_SIDE_SET, ids[s], elements.data(), sides.data()), what);
-      SideSet set{ids[s], names[s], {}};
-      for (std::size_t i = 0; i < n; ++i)
-        set.sides.push_back(checkedSide(offsets, elements[i], sides[i], what));
-      mesh_.sideSets.push_back(std::move(set));
+  std::vector<SetMember> readNodeSets() {
+    std::vector<SetMember> members;
+    auto& sets = share_.part.nodeSets;
+    for (const auto& s : readSets(EX_NODE_SET, sizes_.num_node_sets, "node set", sets, share_.nodeSetSizes)) {
+      const std::string what = "node set " + quoted(sets[s.array].id, sets[s.array].name);
+      std::vector<Index> nodes(std::size_t(s.count), 0);
+      require(ex_get_partial_node_set(file_->id(), sets[s.array].id, s.first + 1, s.count, nodes.data()), what);
+      makeZeroBased(nodes, what);
+      for (std::size_t i = 0; i < nodes.size(); ++i) members.push_back({s.first + Index(i), nodes[i], int(s.array), 0});
     }
+    return members;
   }
 
-  ElementSide checkedSide(const std::vector<Index>& offsets, Index element, Index side,
-                          const std::string& what) const {
+  std::vector<SetMember> readSideSets() {
+    std::vector<SetMember> members;
+    auto& sets = share_.part.sideSets;
+    for (const auto& s : readSets(EX_SIDE_SET, sizes_.num_side_sets, "side set", sets, share_.sideSetSizes)) {
+      const std::string what = "side set " + quoted(sets[s.array].id, sets[s.array].name);
+      std::vector<Index> elements(std::size_t(s.count), 0), sides(elements);
+      require(ex_get_partial_side_set(file_->id(), sets[s.array].id, s.first + 1, s.count, elements.data(), sides.data()),
+              what);
+      for (std::size_t i = 0; i < elements.size(); ++i) {
+        const ElementSide side = checkedSide(elements[i], sides[i], what);
+        members.push_back({s.first + Index(i), side.element, int(s.array), side.side});
+      }
+    }
+    return members;
+  }
+
+  ElementSide checkedSide(Index element, Index side, const std::string& what) const {
     if (element < 1 || element > sizes_.num_elem)
       refuse(what + " refers to element " + std::to_string(element) + ", but the elements go from 1 to " +
              std::to_string(sizes_.num_elem) + ".");
-    const auto topology = mesh_.blocks[std::size_t(locateElement(offsets, element - 1).block)].topology;
+    const auto topology = share_.part.blocks[std::size_t(locateElement(share_.blockStarts, element - 1).block)].topology;
     if (side < 1 || side > sidesPerElement(topology))
       refuse(what + " refers to side " + std::to_string(side) + " of element " + std::to_string(element) +
              ", but the sides of a " + topologyName(topology) + " go from 1 to " +
@@ -271,18 +334,18 @@ class Reader {
     return {element - 1, int(side - 1)};
   }
 
+  const Communicator& comm_;
   std::string path_;
-  ExodusHandle file_;
+  std::unique_ptr<ExodusHandle> file_;
   double largestCount_ = 0.0;
   ex_init_params sizes_{};
-  Mesh mesh_;
+  MeshShare share_;
 };
 
 }  // namespace
 
-Mesh readExodus(const std::string& path) {
-  requireWholeNetcdfFile(path);
-  return Reader(path).read();
-}
+MeshShare readExodusShare(const Communicator& comm, const std::string& path) { return Reader(comm, path).read(); }
+
+Mesh readExodus(const std::string& path) { return readExodusShare(Teuchos::SerialComm<int>(), path).part; }
 
 }  // namespace Haptos

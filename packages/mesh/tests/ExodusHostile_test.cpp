@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Files that must be refused: each with one InputError that names the file and what is wrong with it,
-// and without a word of the libraries on stderr.
+// and without a word of the libraries on stderr; on all ranks alike, whoever has the bad part in its share.
 #include <exodusII.h>
 #include <fcntl.h>
 
@@ -11,6 +11,7 @@
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_Exchange.hpp"
 #include "Haptos_ExodusReader.hpp"
 #include "Haptos_ExodusWriter.hpp"
 #include "MeshTestTools.hpp"
@@ -46,17 +47,22 @@ class StderrTrap {
   int saved_;
 };
 
-/// \brief The message with which a file is refused, followed by any chatter; empty if it is read.
+/// \brief The message with which a file is refused, followed by any chatter; empty if it is read.  Collective.
 std::string refusal(const TestFolder& folder, const std::string& path) {
-  StderrTrap trap(folder.file("stderr"));
+  world().barrier();
+  StderrTrap trap(folder.file("stderr" + std::to_string(world().getRank())));
   std::string message;
   try {
-    readExodus(path);
+    readExodusShare(world(), path);
   } catch (const InputError& e) {
     message = e.what();
   }
   const auto chatter = trap.release();
-  return chatter.empty() ? message : message + "\nCHATTER: " + chatter;
+  if (!chatter.empty()) message += "\nCHATTER: " + chatter;
+  const auto all = gatherOnAll(world(), Bytes(message.begin(), message.end()));
+  for (const auto& other : all)
+    if (other != all[0]) return "\nANOTHER RANK SAYS: " + std::string(other.begin(), other.end());
+  return message;
 }
 
 /// \brief Refused in one line that names the file and holds all `parts`.
@@ -79,7 +85,7 @@ Mesh smallMesh() {
 }
 
 std::string writeAndRefuse(const TestFolder& folder, const Mesh& mesh) {
-  writeMesh(folder.file("m.exo"), mesh);
+  onRoot([&] { writeMesh(folder.file("m.exo"), mesh); });
   return refusal(folder, folder.file("m.exo"));
 }
 
@@ -90,7 +96,7 @@ std::string readBytes(const std::string& path) {
 }
 
 void writeBytes(const std::string& path, const std::string& bytes) {
-  std::ofstream(path, std::ios::binary) << bytes;
+  onRoot([&] { std::ofstream(path, std::ios::binary) << bytes; });
 }
 
 bool libraryOpens(const std::string& path) {
@@ -156,7 +162,7 @@ TEUCHOS_UNIT_TEST(HostileFile, CutShort) {
   for (const bool wide : {false, true}) {
     Mesh mesh = smallMesh();
     mesh.wideIntegers = wide;
-    writeMesh(whole, mesh);
+    onRoot([&] { writeMesh(whole, mesh); });
     const auto bytes = readBytes(whole);
     TEST_EQUALITY(refusal(folder, whole), "");
     int opened = 0;
@@ -173,7 +179,7 @@ TEUCHOS_UNIT_TEST(HostileFile, CutShort) {
 TEUCHOS_UNIT_TEST(HostileFile, DamagedHeader) {
   const TestFolder folder;
   const auto whole = folder.file("whole.exo"), bad = folder.file("bad.exo");
-  writeMesh(whole, smallMesh());
+  onRoot([&] { writeMesh(whole, smallMesh()); });
   const auto bytes = readBytes(whole);
   // Any count in the header made huge: refused, whatever the count was for, and never a crash.
   int refused = 0;
@@ -189,14 +195,14 @@ TEUCHOS_UNIT_TEST(HostileFile, DamagedHeader) {
 TEUCHOS_UNIT_TEST(HostileFile, UnsupportedElements) {
   const TestFolder folder;
   const auto path = folder.file("odd.exo");
-  writeBlock(path, "HEX20", 3, 20, 1);
+  onRoot([&] { writeBlock(path, "HEX20", 3, 20, 1); });
   TEST_ASSERT(says(refusal(folder, path), path,
                    {"element block 33 ('odd one')", "'HEX20' with 20 nodes", "only HEX8 and TET4"}, out));
-  writeBlock(path, "HEX", 3, 27, 1);
+  onRoot([&] { writeBlock(path, "HEX", 3, 27, 1); });
   TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'HEX' with 27 nodes"}, out));
-  writeBlock(path, "WEDGE", 3, 6, 1);
+  onRoot([&] { writeBlock(path, "WEDGE", 3, 6, 1); });
   TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'WEDGE'"}, out));
-  writeBlock(path, "QUAD4", 2, 4, 1);
+  onRoot([&] { writeBlock(path, "QUAD4", 2, 4, 1); });
   TEST_ASSERT(says(refusal(folder, path), path, {"2 dimensions", "three-dimensional"}, out));
 }
 
@@ -204,15 +210,15 @@ TEUCHOS_UNIT_TEST(HostileFile, AcceptedSpellingsAndEmptyBlocks) {
   const TestFolder folder;
   const auto path = folder.file("fine.exo");
   for (const auto& type : {"HEX", "HEX8", "hex8", "Hex"}) {
-    writeBlock(path, type, 3, 8, 1);
+    onRoot([&] { writeBlock(path, type, 3, 8, 1); });
     TEST_ASSERT(readExodus(path).blocks[0].topology == Topology::Hex8);
   }
   for (const auto& type : {"TET", "TET4", "TETRA", "tetra4", "TETRA4"}) {
-    writeBlock(path, type, 3, 4, 1);
+    onRoot([&] { writeBlock(path, type, 3, 4, 1); });
     TEST_ASSERT(readExodus(path).blocks[0].topology == Topology::Tet4);
   }
   for (const auto& type : {"NULL", "HEX20"}) {
-    writeBlock(path, type, 3, 8, 0);  // no element of that type
+    onRoot([&] { writeBlock(path, type, 3, 8, 0); });  // no element of that type
     const Mesh mesh = readExodus(path);
     TEST_EQUALITY(listBlocks(mesh), "odd one (33), 44");
     TEST_EQUALITY(mesh.blocks[0].numElements(), 0u);

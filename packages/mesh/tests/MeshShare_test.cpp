@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_MeshShare.hpp"
 
-#include <Teuchos_DefaultComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 
 #include "Haptos_BoxMesh.hpp"
+#include "Haptos_ExodusReader.hpp"
+#include "Haptos_ExodusWriter.hpp"
 #include "MeshTestTools.hpp"
 
 using namespace Haptos;
@@ -68,9 +69,17 @@ TEUCHOS_UNIT_TEST(MeshShare, SlicesMakeUpTheWhole) {
 }
 
 TEUCHOS_UNIT_TEST(MeshShare, RankZeroDealsItsMesh) {
-  const auto comm = Teuchos::DefaultComm<int>::getComm();
   const Mesh whole = makeRichMesh();
-  const Mesh none;
-  const MeshShare share = scatterMesh(*comm, comm->getRank() == 0 ? whole : none);
-  TEST_EQUALITY(difference(share, sliceOfMesh(whole, comm->getRank(), comm->getSize())), "");
+  const MeshShare share = scatterMesh(world(), world().getRank() == 0 ? whole : Mesh());
+  TEST_EQUALITY(difference(share, sliceOfMesh(whole, world().getRank(), world().getSize())), "");
+}
+
+TEUCHOS_UNIT_TEST(MeshShare, FilesAreReadInShares) {
+  const TestFolder folder;
+  Mesh single = makeBoxes({BoxSpec()});  // one element: most ranks have none
+  for (const Mesh& mesh : {makeRichMesh(), makeWideMesh(), makeTwoBeams({1, 3}), single}) {
+    onRoot([&] { writeMesh(folder.file("m.exo"), mesh); });
+    const MeshShare share = readExodusShare(world(), folder.file("m.exo"));
+    TEST_EQUALITY(difference(share, sliceOfMesh(mesh, world().getRank(), world().getSize())), "");
+  }
 }

@@ -3,6 +3,8 @@
 #pragma once
 #include <unistd.h>
 
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultComm.hpp>
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -15,17 +17,30 @@
 
 namespace HaptosTest {
 
-/// \brief An empty folder of its own, removed at the end.
+inline const Haptos::Communicator& world() { return *Teuchos::DefaultComm<int>::getComm(); }
+
+/// \brief Runs on rank 0; the others wait for it, before and after.
+template <class Work>
+void onRoot(const Work& work) {
+  world().barrier();
+  if (world().getRank() == 0) work();
+  world().barrier();
+}
+
+/// \brief An empty folder of all ranks, removed at the end.
 class TestFolder {
  public:
   TestFolder() {
     auto name = (std::filesystem::temp_directory_path() / "haptos_mesh_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for test files");
+    if (world().getRank() == 0 && mkdtemp(name.data()) == nullptr) throw std::runtime_error("no folder for test files");
+    Teuchos::broadcast(world(), 0, int(name.size()), name.data());
     path_ = name;
   }
   ~TestFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
+    onRoot([&] {
+      std::error_code ignored;
+      std::filesystem::remove_all(path_, ignored);
+    });
   }
   std::string file(const std::string& name) const { return (path_ / name).string(); }
   std::vector<std::string> entries() const {
@@ -100,6 +115,18 @@ inline Haptos::Mesh makeRichMesh() {
   mesh.nodeSets = {{55, longName + "_node", {0, 5, 3}}, {2, "", {7}}, {6, "hollow", {}}};
   for (auto& number : mesh.nodeNumbers) number = 10 * number + 1;
   for (auto& number : mesh.elementNumbers) number = 1000 - number;
+  return mesh;
+}
+
+/// \brief The same with numbers that do not fit into 32 bits.
+inline Haptos::Mesh makeWideMesh() {
+  Haptos::Mesh mesh = makeRichMesh();
+  mesh.blocks[0].id = (std::int64_t(1) << 31) + 5;
+  mesh.sideSets[0].id = (std::int64_t(1) << 40) + 1;
+  mesh.nodeSets[0].id = (std::int64_t(1) << 33);
+  mesh.nodeNumbers.back() = (std::int64_t(1) << 35) + 3;
+  mesh.elementNumbers.back() = (std::int64_t(1) << 36);
+  mesh.wideIntegers = true;
   return mesh;
 }
 
