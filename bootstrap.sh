@@ -8,7 +8,7 @@ packages=(
   g++ cmake ninja-build
   trilinos-all-dev libptscotch-dev          # Trilinos' CMake files want PT-Scotch too
   libopenmpi-dev openmpi-bin
-  libexodusii-dev libmetis-dev libeigen3-dev libnanoflann-dev
+  libexodusii-dev libmetis-dev libeigen3-dev
   libopenblas-dev libsuitesparse-dev        # SuiteSparse: CHOLMOD
   libmuparser-dev nlohmann-json3-dev
 )

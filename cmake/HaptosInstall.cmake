@@ -14,12 +14,22 @@ foreach(_haptos_package IN LISTS _haptos_packages)
 endforeach()
 install(TARGETS haptos_all EXPORT HaptosTargets)
 
-# Optional libraries that this build has linked: an installed copy cannot do without them.
-set(HAPTOS_LINKED_OPTIONAL "")
-foreach(_haptos_optional cholmod)
-  if(TARGET Haptos::${_haptos_optional})
-    list(APPEND HAPTOS_LINKED_OPTIONAL ${_haptos_optional})
-  endif()
+# Libraries that a package links, itself or by way of those that it depends on; packages come after what they need.
+set(HAPTOS_COMPONENTS ${_haptos_packages})
+set(HAPTOS_NEEDS "")
+foreach(_haptos_package IN LISTS _haptos_packages)
+  set(_haptos_needs_${_haptos_package} "")
+  get_target_property(_haptos_links haptos_${_haptos_package} LINK_LIBRARIES)
+  foreach(_haptos_link IN LISTS _haptos_links)
+    string(REPLACE "Haptos::" "" _haptos_name "${_haptos_link}")
+    if(_haptos_name IN_LIST _haptos_packages)
+      list(APPEND _haptos_needs_${_haptos_package} ${_haptos_needs_${_haptos_name}})
+    elseif(_haptos_link MATCHES "^Haptos::")
+      list(APPEND _haptos_needs_${_haptos_package} ${_haptos_name})
+    endif()
+  endforeach()
+  list(REMOVE_DUPLICATES _haptos_needs_${_haptos_package})
+  string(APPEND HAPTOS_NEEDS "set(_haptos_needs_${_haptos_package} ${_haptos_needs_${_haptos_package}})\n")
 endforeach()
 
 set(_haptos_config_dir lib/cmake/Haptos)
@@ -33,5 +43,5 @@ write_basic_package_version_file(${PROJECT_BINARY_DIR}/HaptosConfigVersion.cmake
 install(FILES
   ${PROJECT_BINARY_DIR}/HaptosConfig.cmake
   ${PROJECT_BINARY_DIR}/HaptosConfigVersion.cmake
-  ${PROJECT_SOURCE_DIR}/cmake/HaptosTrilinos.cmake
+  ${PROJECT_SOURCE_DIR}/cmake/HaptosDependencies.cmake
   DESTINATION ${_haptos_config_dir})

@@ -19,6 +19,31 @@ function(haptos_add_package name)
   set_property(GLOBAL APPEND PROPERTY HAPTOS_PACKAGES ${name})
 endfunction()
 
+# What every test runs in: one thread a rank, and MPI that lets ranks share cores.
+set(HAPTOS_TEST_ENVIRONMENT OPENBLAS_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+    OMPI_MCA_mpi_yield_when_idle=1 PYTHONDONTWRITEBYTECODE=1
+    LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leaks_of_others.txt:print_suppressions=0)
+
+# Of slow builds (tests/nightly.sh).
+set(HAPTOS_TIMEOUT_SCALE 1 CACHE STRING "Time limits of tests are this many times the usual ones")
+
+# haptos_add_run(<test> COMMAND ... [STATUS n] TEXT regex [RANKS n] LABELS ... [TIMEOUT s])
+# A program that must end with the status (0) and say the text.
+function(haptos_add_run name)
+  cmake_parse_arguments(arg "" "STATUS;TEXT;RANKS;TIMEOUT" "COMMAND;LABELS" ${ARGN})
+  foreach(default STATUS=0 RANKS=1 TIMEOUT=300)
+    string(REGEX MATCH "(.*)=(.*)" unused ${default})
+    if(NOT DEFINED arg_${CMAKE_MATCH_1})
+      set(arg_${CMAKE_MATCH_1} ${CMAKE_MATCH_2})
+    endif()
+  endforeach()
+  math(EXPR limit "${arg_TIMEOUT} * ${HAPTOS_TIMEOUT_SCALE}")
+  add_test(NAME ${name} COMMAND ${CMAKE_COMMAND} -DSTATUS=${arg_STATUS} -DTEXT=${arg_TEXT}
+           -P ${PROJECT_SOURCE_DIR}/cmake/HaptosRunTest.cmake -- ${arg_COMMAND})
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" PROCESSORS ${arg_RANKS} TIMEOUT ${limit}
+    ENVIRONMENT "${HAPTOS_TEST_ENVIRONMENT}")
+endfunction()
+
 # haptos_add_test(<name> SOURCES ... DEPENDS ... RANKS 1 2 LABELS "unit;qp" [TIMEOUT s] [ARGS ...])
 # A Teuchos unit test program, run once per number of ranks.
 function(haptos_add_test name)
@@ -30,10 +55,27 @@ function(haptos_add_test name)
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
   target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} Haptos::trilinos haptos_warnings)
   foreach(ranks IN LISTS arg_RANKS)
-    add_test(NAME ${name}_np${ranks} COMMAND ${HAPTOS_MPIRUN} -n ${ranks} $<TARGET_FILE:test_${name}> ${arg_ARGS})
-    set_tests_properties(${name}_np${ranks} PROPERTIES
-      LABELS "${arg_LABELS}" PROCESSORS ${ranks} TIMEOUT ${arg_TIMEOUT}
-      ENVIRONMENT "OPENBLAS_NUM_THREADS=1;OMPI_ALLOW_RUN_AS_ROOT=1;OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1;OMPI_MCA_mpi_yield_when_idle=1"
-      PASS_REGULAR_EXPRESSION "End Result: TEST PASSED" FAIL_REGULAR_EXPRESSION "End Result: TEST FAILED")
+    haptos_add_run(${name}_np${ranks} COMMAND ${HAPTOS_MPIRUN} -n ${ranks} $<TARGET_FILE:test_${name}> ${arg_ARGS}
+                   TEXT "End Result: TEST PASSED" RANKS ${ranks} LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})
   endforeach()
+endfunction()
+
+# haptos_add_python_test(<name> SCRIPT ... LABELS ... [RANKS n] [TIMEOUT s]): a script and its arguments, by the python3 that
+# is first on PATH when it runs (`bootstrap.sh test` puts build/venv there).  Without Python it fails; where a package is
+# missing it ends with status 77 and counts as skipped.
+set(HAPTOS_PYTHON "" CACHE FILEPATH "Python for the tests; empty: the first python3 on PATH when they run")
+function(haptos_add_python_test name)
+  cmake_parse_arguments(arg "" "RANKS;TIMEOUT" "SCRIPT;LABELS" ${ARGN})
+  if(HAPTOS_PYTHON)
+    set(python ${HAPTOS_PYTHON})
+  else()
+    set(python /usr/bin/env python3)
+  endif()
+  if(NOT arg_RANKS)
+    set(arg_RANKS 1)
+  endif()
+  math(EXPR limit "${arg_TIMEOUT} * ${HAPTOS_TIMEOUT_SCALE}")
+  add_test(NAME ${name} COMMAND ${python} ${arg_SCRIPT})
+  set_tests_properties(${name} PROPERTIES LABELS "${arg_LABELS}" PROCESSORS ${arg_RANKS} TIMEOUT ${limit}
+    SKIP_RETURN_CODE 77 ENVIRONMENT "${HAPTOS_TEST_ENVIRONMENT}")
 endfunction()

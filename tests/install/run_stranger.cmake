@@ -19,12 +19,38 @@ function(step what)
 endfunction()
 
 step("install" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
-step("configure" ${CMAKE_COMMAND} -S ${work}/source -B ${work}/build -G ${GENERATOR}
+set(configure ${CMAKE_COMMAND} -S ${work}/source -G ${GENERATOR}
   -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
   "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
+step("configure" ${configure} -B ${work}/build)
 step("build" ${CMAKE_COMMAND} --build ${work}/build)
 step("run" ${MPIRUN} -n 2 ${work}/build/stranger)
 message(STATUS "${output}")
+
+# A place without Exodus, METIS, muParser and JSON is enough for qp; who wants more is told what is missing.
+set(nothing -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON)
+foreach(library exoIIv2c metis muparser)
+  list(APPEND nothing -DHAPTOS_${library}_LIBRARY= -DHAPTOS_${library}_INCLUDE_DIR=)
+endforeach()
+step("configure with qp alone" ${configure} ${nothing} -B ${work}/qp -DCOMPONENT=qp)
+step("build with qp alone" ${CMAKE_COMMAND} --build ${work}/qp)
+step("run with qp alone" ${MPIRUN} -n 2 ${work}/qp/stranger)
+
+function(refused component)   # ... what the message must say
+  execute_process(COMMAND ${configure} ${nothing} -B ${work}/refused_${component} -DCOMPONENT=${component}
+                  RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
+  string(REGEX REPLACE "[ \n]+" " " output "${output}")
+  foreach(part IN LISTS ARGN)
+    string(FIND "${output}" "${part}" at)
+    if(status EQUAL 0 OR at EQUAL -1)
+      fail("asking for component '${component}' does not say '${part}' (${status}):\n${output}")
+    endif()
+  endforeach()
+endfunction()
+refused(mesh "component 'mesh' needs Exodus II (libexodusii-dev), which is not found here")
+refused(decomposition "needs Exodus II" "needs METIS (libmetis-dev)")
+refused("" "component 'results' needs nlohmann's JSON 3 (nlohmann-json3-dev)" "component 'input' needs muParser")
+refused(mech "there is no component 'mech', there are")
 
 # It was the installed copy that was used, and our warnings are not forced on others.
 file(READ ${work}/build/compile_commands.json commands)

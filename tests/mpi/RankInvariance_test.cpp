@@ -26,21 +26,24 @@ TEUCHOS_UNIT_TEST(RankInvariance, BricksByTheDefaultMethod) {
 }
 
 TEUCHOS_UNIT_TEST(RankInvariance, MetisParts) {
-  for (int subdomains : {4, 16, 50}) {
-    out << subdomains << " subdomains\n";
-    const Run run = compareWithOneRank(metis(subdomains), out, success);
-    TEST_EQUALITY(run.result.report.model.subdomains, subdomains);
-  }
+  for (const char* method : kMethods)
+    for (int subdomains : {4, 16, 50}) {
+      out << subdomains << " subdomains\n";
+      const Run run = compareWithOneRank(metis(subdomains, method), out, success);
+      TEST_EQUALITY(run.result.report.solver.method, std::string(method));
+      TEST_EQUALITY(run.result.report.model.subdomains, subdomains);
+    }
 }
 
 // The cut is not part of the answer.  The fields of different cuts agree as far as kkt allows.
 TEUCHOS_UNIT_TEST(RankInvariance, CutDoesNotMatter) {
   const Run bricks = runBeams(world(), {{"Solver->Method", "SMALSE"}});
-  for (int subdomains : {4, 16, 50}) {
-    const Run parts = runBeams(world(), metis(subdomains));
-    TEST_INEQUALITY(parts.result.report.model.dualUnknowns, bricks.result.report.model.dualUnknowns);
-    compareFields(parts.result, bricks.result, out, success);
-  }
+  for (const char* method : kMethods)
+    for (int subdomains : {4, 16, 50}) {
+      const Run parts = runBeams(world(), metis(subdomains, method));
+      TEST_INEQUALITY(parts.result.report.model.dualUnknowns, bricks.result.report.model.dualUnknowns);
+      compareFields(parts.result, bricks.result, out, success);
+    }
 }
 
 // Two subdomains: from three ranks on, some ranks have none.
@@ -60,7 +63,7 @@ bool touchesContact(const DistributedModel& model) {
 
 // On four ranks the bricks are dealt in layers: the first rank has the lowest one, the last rank the top one.
 TEUCHOS_UNIT_TEST(RankInvariance, RanksWithoutContact) {
-  const Run run = compareWithOneRank({{"Solver->Method", "SMALSE"}}, out, success);
+  const Run run = compareWithOneRank({{"Solver->Method", "Subspace Newton"}}, out, success);
   const auto& model = run.simulation->model();
   TEST_ASSERT(!model.subdomains.empty());
   const int away = sumOverRanks(touchesContact(model) ? 0 : 1);

@@ -44,8 +44,11 @@ inline Run runBeams(const RCP<const Communicator>& comm, Sets sets, Scene scene 
   return run;
 }
 
-inline Sets metis(int subdomains) {
-  return {{"Solver->Method", "SMALSE"}, {"Decomposition->Method", "METIS"}, {"Decomposition->Subdomains", std::to_string(subdomains)}};
+/// Every method that takes contact.
+constexpr const char* kMethods[] = {"SMALSE", "Subspace Newton"};
+
+inline Sets metis(int subdomains, const char* method) {
+  return {{"Solver->Method", method}, {"Decomposition->Method", "METIS"}, {"Decomposition->Subdomains", std::to_string(subdomains)}};
 }
 
 inline RCP<const Communicator> world() { return Tpetra::getDefaultComm(); }

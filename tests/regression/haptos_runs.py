@@ -49,7 +49,7 @@ class Outcome:
         return lines
 
 
-def run_haptos(arguments, ranks=1, folder=None, timeout=300):
+def run_haptos(arguments, ranks=1, folder=None, timeout=3000):
     command = [programs.haptos, *map(str, arguments)]
     if ranks > 1:
         command = [*shlex.split(programs.mpirun), "-n", str(ranks), *command]

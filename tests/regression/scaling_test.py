@@ -28,7 +28,7 @@ class Scaling(unittest.TestCase):
     def run_driver(self, *arguments):
         command = [sys.executable, str(DRIVERS / "haptos_scaling.py"), "--haptos", programs.haptos,
                    "--mpirun", programs.mpirun, *map(str, arguments)]
-        return subprocess.run(command, capture_output=True, text=True, timeout=300)
+        return subprocess.run(command, capture_output=True, text=True, timeout=3000)
 
     def rows(self, name):
         return list(csv.DictReader((self.folder / name).read_text().splitlines()))

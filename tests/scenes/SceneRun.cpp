@@ -14,8 +14,9 @@ namespace {
 
 // Contact forces and displacements agree to this many tolerances, or to as many as the dense solution's own
 // amplification: kkt bounds jumps in parts of u_ref, and where a stiff contact turns such a part into large forces
-// no method can do better than that.
-constexpr double kForceFactor = 30, kDisplacementFactor = 100;
+// no method can do better than that.  A tolerance of 1e-6 amplified by a million would allow everything: three digits
+// agree in any case.
+constexpr double kForceFactor = 30, kDisplacementFactor = 100, kMostByAmplification = 1e-3;
 
 template <class... Args>
 std::string formatted(const char* format, Args... args) {
@@ -74,21 +75,22 @@ void compareWithReference(const Scene& scene, Formulation formulation, SceneOutc
   outcome.forceError = forceDifference(dense.problem(), reference, outcome.result.pairs);
   outcome.displacementError = displacementDifference(reference, outcome.result.displacement);
   const auto compare = [&](const char* what, double error, double factor) {
-    const double allowed = outcome.tolerance * std::max(factor, reference.amplification);
+    const double allowed = std::max(outcome.tolerance * factor, std::min(outcome.tolerance * reference.amplification, kMostByAmplification));
     expect(outcome, error <= allowed, formatted("%s differ from the dense solution by %.1e, allowed %.1e", what, error, allowed));
   };
   compare("contact forces", outcome.forceError, kForceFactor);
   if (scene.displacementsAreUnique) compare("displacements", outcome.displacementError, kDisplacementFactor);
 }
 
-void checkReport(SceneOutcome& outcome) {
+// The method that was asked for keeps its promise, whatever methods it handed over to.
+void checkReport(const std::string& asked, SceneOutcome& outcome) {
   const RunReport& report = outcome.result.report;
   const double kkt = report.accuracy.errors.kkt();
   expect(outcome, std::isfinite(kkt) && kkt <= outcome.tolerance,
          formatted("kkt %.1e is above the tolerance %.1e", kkt, outcome.tolerance));
-  const long promised = promisedMultiplications(report.solver.method), used = report.solver.hessianMultiplications;
-  if (promised > 0)
-    expect(outcome, used <= promised, formatted("%ld multiplications by F, %s promises %ld", used, report.solver.method.c_str(), promised));
+  const long promised = promisedMultiplications(asked), used = report.solver.hessianMultiplications;
+  expect(outcome, used <= promised,
+         formatted("%ld multiplications by F (%s), %s promises %ld", used, report.solver.method.c_str(), asked.c_str(), promised));
 }
 
 // Runs the program's chain; its exceptions become its exit statuses.
@@ -124,7 +126,7 @@ std::string statesText(const ReferenceSolution& reference) {
 
 }  // namespace
 
-long promisedMultiplications(const std::string& method) { return method == "Subspace Newton" || method == "PCPG" ? 150 : 0; }
+long promisedMultiplications(const std::string& method) { return method == "SMALSE" ? 5000 : 150; }
 
 SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options) {
   SceneOutcome outcome;
@@ -139,7 +141,7 @@ SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, c
   if (options.idleContact) expect(outcome, outcome.fewestPairs == 0, "every rank has contact pairs");
   if (options.idleSubdomains) expect(outcome, outcome.fewestSubdomains == 0, "every rank has subdomains");
   if (scene.status == 0 && (outcome.status == 0 || outcome.status == 2)) {
-    checkReport(outcome);
+    checkReport(options.method, outcome);
     compareWithReference(scene, formulation, outcome);
   }
   return outcome;

@@ -44,7 +44,8 @@ std::string markdownTable(const std::vector<Scene>& scenes, const std::vector<Sc
 /// \brief One line for people.
 std::string summaryLine(const Scene& scene, const SceneOutcome& outcome);
 
-/// \brief Largest number of multiplications by F that a method promises on these scenes; 0: it promises none.
+/// \brief Largest number of multiplications by F on these scenes, where this `Solver->Method` is asked for (of SMALSE, which
+/// promises nothing, the default of `Maximum Hessian Multiplications`).
 long promisedMultiplications(const std::string& method);
 
 }  // namespace Haptos::Scenes
