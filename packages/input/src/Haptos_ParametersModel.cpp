@@ -22,7 +22,8 @@ ParameterTree meshSection() {
                .mustBeGiven()
                .within(NumberRange::closed(1, 200)));
   ParameterTree mesh("Mesh", "The bodies: a file or a generated mesh.");
-  mesh.add(ParameterSpec("File", {Type::String}, "Exodus II file, relative to the folder of this XML file")
+  mesh.add(ParameterSpec("File", {Type::String}, "Exodus II file, relative to the folder of this XML file; "
+                                         "where there is none of that name, the files File.N.0 to File.N.(N-1) of a decomposed mesh")
                .notEmpty()
                .isFileName())
       .add(std::move(twoBeams))

@@ -15,6 +15,7 @@
 
 #include "Haptos_Error.hpp"
 #include "Haptos_ExodusHandle.hpp"
+#include "Haptos_ExodusPart.hpp"
 #include "Haptos_NetcdfFile.hpp"
 #include "Haptos_SetMembers.hpp"
 
@@ -103,10 +104,14 @@ class Reader {
   }
 
   /// Collective.
-  MeshShare read() {
+  /// \param mayBePart whether it may be one file of a decomposed mesh
+  MeshShare read(bool mayBePart) {
     runOnAllRanks(comm_, [&] {
       requireWholeNetcdfFile(path_);
       open();
+      if (!mayBePart && numParts() > 1)
+        refuse("it is one of the " + std::to_string(numParts()) +
+               " files of a decomposed mesh; name the mesh without the two numbers at the end, and all of them are read.");
       readSizes();
     });
     runOnAllRanks(comm_, [&] { readNumberMaps(); });
@@ -118,6 +123,21 @@ class Reader {
     runOnAllRanks(comm_, [&] { sides = readSideSets(); });
     dealSides(comm_, sides, share_);
     return std::move(share_);
+  }
+
+  /// What a part of a decomposed mesh says of the whole, after `read`.
+  ExodusPart readPart() {
+    ExodusPart part;
+    part.mesh = read(true).part;
+    part.numParts = numParts();
+    Index blocks = 0, nodeSets = 0, sideSets = 0;
+    if (ex_get_init_global(file_->id(), &part.numNodes, &part.numElements, &blocks, &nodeSets, &sideSets) < 0)
+      part.numNodes = part.numElements = -1;
+    int nodeMaps = 0, elementMaps = 0;
+    require(ex_get_map_param(file_->id(), &nodeMaps, &elementMaps), "the number of maps");
+    part.originalNodes = readOriginalNumbers(EX_NODE_MAP, nodeMaps, sizes_.num_nodes);
+    part.originalElements = readOriginalNumbers(EX_ELEM_MAP, elementMaps, sizes_.num_elem);
+    return part;
   }
 
  private:
@@ -142,6 +162,23 @@ class Reader {
           "file.");
     // The largest compression of the formats is about a thousandfold.
     largestCount_ = 1000.0 * double(std::filesystem::file_size(path_));
+  }
+
+  int numParts() const {
+    int parts = 0, here = 0;
+    std::array<char, 8> kind{};
+    return ex_get_init_info(file_->id(), &parts, &here, kind.data()) < 0 || here >= parts ? 1 : parts;
+  }
+
+  /// The map of that name, under which the decomposers keep them.
+  std::vector<Index> readOriginalNumbers(ex_entity_type type, Index numMaps, Index size) const {
+    const auto ids = readIds(type, numMaps, "number map");
+    const auto names = readNames(type, numMaps, "number map");
+    const auto found = std::find(names.begin(), names.end(), "original_global_id_map");
+    if (found == names.end()) return {};
+    std::vector<Index> numbers(std::size_t(size), 0);
+    require(ex_get_num_map(file_->id(), type, ids[std::size_t(found - names.begin())], numbers.data()), *found);
+    return numbers;
   }
 
   void readSizes() {
@@ -344,8 +381,13 @@ class Reader {
 
 }  // namespace
 
-MeshShare readExodusShare(const Communicator& comm, const std::string& path) { return Reader(comm, path).read(); }
+MeshShare readExodusShare(const Communicator& comm, const std::string& path) { return Reader(comm, path).read(false); }
 
 Mesh readExodus(const std::string& path) { return readExodusShare(Teuchos::SerialComm<int>(), path).part; }
+
+ExodusPart readExodusPart(const std::string& path) {
+  const Teuchos::SerialComm<int> alone;
+  return Reader(alone, path).readPart();
+}
 
 }  // namespace Haptos

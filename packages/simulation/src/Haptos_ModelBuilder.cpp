@@ -2,6 +2,7 @@
 #include "Haptos_ModelBuilder.hpp"
 
 #include <Teuchos_Array.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,7 +11,7 @@
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_DualGraph.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_ExodusReader.hpp"
+#include "Haptos_MeshFiles.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 
@@ -238,7 +239,7 @@ SourceMesh makeMesh(const ParameterList& parameters) {
     source.mesh = makeTwoBeams(spec);
     source.bricks = brickSubdomains(spec);
   } else {
-    source.mesh = readExodus(list.get<std::string>("File"));
+    source.mesh = readMeshFiles(Teuchos::SerialComm<int>(), list.get<std::string>("File")).part;
   }
   return source;
 }
