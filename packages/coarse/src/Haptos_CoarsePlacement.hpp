@@ -40,7 +40,7 @@ class CoarsePlacement {
   Eigen::MatrixXd sum(const Eigen::MatrixXd& mine) const;
   /// \brief From the holders to all.  Collective.
   void broadcast(Eigen::MatrixXd& x) const;
-  /// \brief Every rank's message, by sender, on the holders; empty elsewhere.  Collective.
+  /// \brief Every rank's message, group by group and in each by rank, on the holders; empty elsewhere.  Collective.
   std::vector<std::vector<char>> gather(const std::vector<char>& message) const;
 
   CoarseCosts& costs() const { return costs_; }

@@ -77,7 +77,7 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = blocksOfSum(*fixed_, first);
   changing_ = subdomainsOf(first);
   Eigen::MatrixXd condenses(1, 1);
-  condenses(0, 0) = CoarseElimination::pays(size_, kModes * Eigen::Index(changing_.size()));
+  condenses(0, 0) = CoarseSchur::pays(size_, kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
   if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
@@ -91,7 +91,7 @@ CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   addHolds(holds, fixed_->largestDiagonal());
   condenses_ = whole.condenses_ && holds.empty() && !whole.isHeld_;
-  if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CondensedFactor>(whole.condensed_->elimination(), precision_);
+  if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CoarseSchurFactor>(whole.condensed_->schur(), precision_);
   factor({});
 }
 
@@ -143,8 +143,8 @@ void CoarseProblem::factorWhole() {
 
 void CoarseProblem::factorCondensed() {
   if (!condensed_) {
-    const CoarseElimination::Parts stays{fixed_.get(), &held_};
-    condensed_ = std::make_unique<CondensedFactor>(std::make_shared<const CoarseElimination>(size_, stays, changing_), precision_);
+    const CoarseSchur::Parts stays{fixed_.get(), &held_};
+    condensed_ = std::make_unique<CoarseSchurFactor>(std::make_shared<const CoarseSchur>(size_, stays, changing_), precision_);
   }
   condensed_->renew(changingBlocks_);
 }
@@ -186,7 +186,7 @@ Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
   Eigen::MatrixXd a(changing.size(), 1);
   if (placement.holds()) {
     if (isFirst) {
-      eliminated_ = problem_.condenses_ ? problem_.condensed_->elimination()->eliminate(b) : b;
+      eliminated_ = problem_.condenses_ ? problem_.condensed_->schur()->eliminate(b) : b;
       total_ = Eigen::VectorXd::Zero(b.rows());
     }
     a = solveForRest(isFirst ? Eigen::VectorXd() : Eigen::VectorXd(b + problem_.changingBlocks_.multiply(total_)));
@@ -200,9 +200,9 @@ Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
 // A right-hand side beyond the first one, `more` [l] that changing rows add and take off: where only the others act, nothing
 // is left.
 Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more) {
-  const CondensedFactor* condensed = problem_.condensed_.get();
+  const CoarseSchurFactor* condensed = problem_.condensed_.get();
   const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows(), others = eliminated_.rows() - n;
-  const auto unknown = [&](Eigen::Index i) { return condensed ? condensed->elimination()->order()[std::size_t(others + i)] : i; };
+  const auto unknown = [&](Eigen::Index i) { return condensed ? condensed->schur()->order()[std::size_t(others + i)] : i; };
   Eigen::VectorXd rhs = eliminated_.bottomRows(n);
   if (more.size() > 0) {
     rhs -= solvedFor_;
@@ -227,8 +227,8 @@ Eigen::VectorXd CoarseProblem::Series::last(const CoarseProblem& fixedAlone, con
   const Eigen::MatrixXd b = placement.sum(Eigen::VectorXd(changing - first_));
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
-    const CondensedFactor& factor = *fixedAlone.condensed_;
-    const CoarseElimination& fixed = *factor.elimination();
+    const CoarseSchurFactor& factor = *fixedAlone.condensed_;
+    const CoarseSchur& fixed = *factor.schur();
     const Eigen::Index n = factor.schurSize();
     for (Eigen::Index i = a.rows() - n; i < a.rows(); ++i) eliminated_(i, 0) += b(fixed.order()[std::size_t(i)], 0);
     factor.solveSchur(eliminated_.bottomRows(n));

@@ -7,7 +7,7 @@
 
 #include "Haptos_CoarseBlocks.hpp"
 #include "Haptos_CoarsePlacement.hpp"
-#include "Haptos_CondensedFactor.hpp"
+#include "Haptos_CoarseSchurFactor.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -45,7 +45,7 @@ class CoarseProblem {
 
   /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
   ///
-  /// Where changing rows touch few subdomains the others are eliminated once (CoarseElimination).
+  /// Where changing rows touch few subdomains the others are eliminated once (CoarseSchur).
   /// \throws std::runtime_error on all ranks if A is not positive definite.
   void renew(const Weighted& changing);
 
@@ -108,7 +108,7 @@ class CoarseProblem {
   FactorPrecision precision_ = FactorPrecision::Double;  // of what changes
   std::vector<int> changing_;    // subdomains to condense to, on the holders
   std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
-  std::unique_ptr<CondensedFactor> condensed_;
+  std::unique_ptr<CoarseSchurFactor> condensed_;
   mutable long solves_ = 0;
 };
 

@@ -186,12 +186,12 @@ TEUCHOS_UNIT_TEST(CoarseProblem, ThousandsOfSubdomainsAreEliminated) {
 
 // Condensed where few subdomains change, whole where all do.
 TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
-  TEST_EQUALITY(CoarseElimination::pays(6 * Chain::kSubdomains, 60), hasCholmod());
-  TEST_ASSERT(!CoarseElimination::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
+  TEST_EQUALITY(CoarseSchur::pays(6 * Chain::kSubdomains, 60), hasCholmod());
+  TEST_ASSERT(!CoarseSchur::pays(6 * Chain::kSubdomains, 6 * Chain::kSubdomains));
   for (const auto& [unknowns, last] : {std::pair{4500, 1500}, {12288, 1536}, {65856, 4704}})  // of beams in contact
-    TEST_EQUALITY(CoarseElimination::pays(unknowns, last), hasCholmod());
+    TEST_EQUALITY(CoarseSchur::pays(unknowns, last), hasCholmod());
   for (const auto& [unknowns, last] : {std::pair{4400, 1500}, {65856, 9000}})  // a third of all; more than a sparse factor
-    TEST_ASSERT(!CoarseElimination::pays(unknowns, last));
+    TEST_ASSERT(!CoarseSchur::pays(unknowns, last));
   for (int touched : {1, 10, Chain::kSubdomains}) {
     const Chain chain(touched);
     const Eigen::Index l = chain.fixed.cols();

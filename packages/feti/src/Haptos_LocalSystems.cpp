@@ -34,7 +34,7 @@ LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
   constexpr double kDense = 3e10, kProducts = 4e10, kSparseProducts = 2.5e10;   // [flops/s]
   constexpr double kFillIn = 15, kFactor = 13e-3, kFactorSize = 2187;  // entries of L: 15 n^(4/3); seconds at 2187 unknowns
   constexpr double kRowBytes = 480;  // of K_bb and K_ib for an unknown of the surface, in single precision
-  const auto dense = LocalCondensation::cost(n, nb, members);
+  const auto dense = DenseSurfaceMatrices::cost(n, nb, members);
   const double m = double(members), whole = kFillIn * std::pow(n, 4.0 / 3), interior = kFillIn * std::pow(n - nb, 4.0 / 3);
   const double traffic = (m > 2 ? 12 : 6 * m) * nb * nb;  // P in double, S in single precision
   const double denseApply = traffic / kTraffic + (m > 2 ? 3 * nb * nb * m / kProducts : 0.0);
@@ -170,7 +170,7 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
       const auto prediction = predictLocalCost(double(systems_[i].K.rows()), double(boundary.size()), members_[c].size());
       const bool wanted = dual == LocalDual::Explicit ||
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
-      if (wanted) makeCondensation(c, boundary, LocalCondensation::Scope::Both);
+      if (wanted) makeCondensation(c, boundary, DenseSurfaceMatrices::Scope::Both);
     }
     if (!condensed_[c]) {
       solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, subdomains[i].coordinates, method);
@@ -190,7 +190,7 @@ void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<S
   condensed_.resize(representative_.size());
   for (int c = 0; c < numClasses(); ++c) {
     const auto* like = pattern.condensationOf(pattern[representative_[c]].congruenceClass);
-    if (like) makeCondensation(c, like->boundary(), LocalCondensation::Scope::SchurOnly);
+    if (like) makeCondensation(c, like->boundary(), DenseSurfaceMatrices::Scope::SchurOnly);
   }
 }
 
@@ -212,15 +212,15 @@ std::vector<int> LocalSystems::boundaryOf(int c, const std::vector<Subdomain>& s
 
 // A class that cannot be condensed (its surface does not hold its interior) stays with the sparse factor, which
 // regularises it or says what is wrong.
-void LocalSystems::makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope) {
+void LocalSystems::makeCondensation(int c, const std::vector<int>& boundary, DenseSurfaceMatrices::Scope scope) {
   const LocalSystem& system = systems_[representative_[c]];
   try {
-    condensed_[c] = std::make_unique<LocalCondensation>(system.K, system.R(), boundary, members_[c].size(), scope);
+    condensed_[c] = std::make_unique<DenseSurfaceMatrices>(system.K, system.R(), boundary, members_[c].size(), scope);
   } catch (const std::runtime_error&) {
     return;
   }
-  denseBytes_ += LocalCondensation::cost(double(system.K.rows()), double(boundary.size()), members_[c].size()).bytes;
-  if (scope == LocalCondensation::Scope::Both) localSolves_ += long(boundary.size());
+  denseBytes_ += DenseSurfaceMatrices::cost(double(system.K.rows()), double(boundary.size()), members_[c].size()).bytes;
+  if (scope == DenseSurfaceMatrices::Scope::Both) localSolves_ += long(boundary.size());
 }
 
 int LocalSystems::numCondensed() const {

@@ -8,7 +8,7 @@
 
 #include "Haptos_JumpOperator.hpp"
 #include "Haptos_LinearElasticity.hpp"
-#include "Haptos_LocalCondensation.hpp"
+#include "Haptos_DenseSurfaceMatrices.hpp"
 #include "Haptos_LocalSolver.hpp"
 #include "Haptos_Subdomain.hpp"
 #include "Haptos_Types_fwd.hpp"
@@ -72,7 +72,7 @@ class LocalSystems {
   /// \brief Lets K of a class go.
   void releaseStiffness(int congruenceClass);
   /// \brief Dense matrices of a class; null where it is factored, or before both.
-  const LocalCondensation* condensationOf(int congruenceClass) const {
+  const DenseSurfaceMatrices* condensationOf(int congruenceClass) const {
     return condensed_.empty() ? nullptr : condensed_[congruenceClass].get();
   }
   int numCondensed() const;  ///< subdomains with dense matrices
@@ -96,10 +96,10 @@ class LocalSystems {
   std::vector<std::vector<int>> members_;   // [classes]
   void solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
   void multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
-  void makeCondensation(int c, const std::vector<int>& boundary, LocalCondensation::Scope scope);
+  void makeCondensation(int c, const std::vector<int>& boundary, DenseSurfaceMatrices::Scope scope);
 
   std::vector<std::unique_ptr<LocalSolver>> solvers_;           // [classes] null where condensed
-  std::vector<std::unique_ptr<LocalCondensation>> condensed_;  // [classes] null where factored
+  std::vector<std::unique_ptr<DenseSurfaceMatrices>> condensed_;  // [classes] null where factored
   double denseBytes_ = 0;
   mutable long localSolves_ = 0;
 };

@@ -36,9 +36,9 @@ void SurfaceOperators::add(const LocalSystems& systems, const std::vector<Subdom
   made.isDouble = exact;
   if (!made.condensed) {
     const FactorPrecision precision = exact ? FactorPrecision::Double : FactorPrecision::Single;
-    made.schur = std::make_unique<LocalSchur>(kind_ == PreconditionerKind::Lumped
-                                                  ? LocalSchur::lumped(K, made.boundary, precision)
-                                                  : LocalSchur(K, systems[first].R(), made.boundary, method_, precision));
+    made.schur = std::make_unique<SurfaceSchur>(kind_ == PreconditionerKind::Lumped
+                                                  ? SurfaceSchur::lumped(K, made.boundary, precision)
+                                                  : SurfaceSchur(K, systems[first].R(), made.boundary, method_, precision));
   }
   classes_.push_back(std::move(made));
 }

@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "Haptos_LocalSchur.hpp"
+#include "Haptos_SurfaceSchur.hpp"
 #include "Haptos_LocalSystems.hpp"
 
 namespace Haptos {
@@ -43,8 +43,8 @@ class SurfaceOperators {
   struct Class {
     std::vector<int> boundary;
     Eigen::VectorXd diagonal;
-    const LocalCondensation* condensed = nullptr;  // of the systems
-    std::unique_ptr<LocalSchur> schur;             // null where condensed
+    const DenseSurfaceMatrices* condensed = nullptr;  // of the systems
+    std::unique_ptr<SurfaceSchur> schur;             // null where condensed
     bool isDouble = false;
   };
   PreconditionerKind kind_;

@@ -119,7 +119,7 @@ TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
 }
 
 // K^+ of a condensed subdomain on all unknowns, and in blocks (a full matrix) as well as one by one (a packed one).
-TEUCHOS_UNIT_TEST(LocalCondensation, EqualsDensePseudoInverse) {
+TEUCHOS_UNIT_TEST(DenseSurfaceMatrices, EqualsDensePseudoInverse) {
   const Scene scene = makeScene(heldScene(3));
   const auto K = denseStiffness(scene);
   int withInterior = 0;
@@ -129,7 +129,7 @@ TEUCHOS_UNIT_TEST(LocalCondensation, EqualsDensePseudoInverse) {
     const Eigen::SparseMatrix<double> sparse = K[s].sparseView();
     const Dense R = rigidBodyModes(scene.subdomains[s].coordinates, {}), reference = densePseudoInverse(K[s]), f = someColumns(K[s].rows(), 3);
     for (std::size_t members : {1, 9}) {
-      const LocalCondensation condensed(sparse, R, boundary, members);
+      const DenseSurfaceMatrices condensed(sparse, R, boundary, members);
       Dense u(f.rows(), f.cols());
       condensed.solve(f, u);
       TEST_ASSERT(largest(u - reference * f) < 1e-10 * largest(reference * f));
@@ -145,13 +145,13 @@ TEUCHOS_UNIT_TEST(LocalCondensation, EqualsDensePseudoInverse) {
 }
 
 // A motion without energy that R lacks is refused, as it is by the sparse factor.
-TEUCHOS_UNIT_TEST(LocalCondensation, RefusesAnIncompleteKernel) {
+TEUCHOS_UNIT_TEST(DenseSurfaceMatrices, RefusesAnIncompleteKernel) {
   const Scene scene = makeScene(heldScene(3));
   const Eigen::SparseMatrix<double> K = denseStiffness(scene)[0].sparseView();
   const Dense R = rigidBodyModes(scene.subdomains[0].coordinates, {}), five = R.leftCols(5);
   const auto boundary = surfaceDofs(scene.subdomains[0]);
-  TEST_THROW(LocalCondensation(K, five, boundary, 1), std::runtime_error);
+  TEST_THROW(DenseSurfaceMatrices(K, five, boundary, 1), std::runtime_error);
   Dense wrong = R;
   wrong.col(2).setOnes();
-  TEST_THROW(LocalCondensation(K, wrong, boundary, 1), std::runtime_error);
+  TEST_THROW(DenseSurfaceMatrices(K, wrong, boundary, 1), std::runtime_error);
 }

@@ -9,7 +9,7 @@
 #include <memory>
 #include <vector>
 
-#include "Haptos_LocalSchur.hpp"
+#include "Haptos_SurfaceSchur.hpp"
 #include "Haptos_LocalSolver.hpp"
 #include "TestSubdomain.hpp"
 
@@ -73,8 +73,8 @@ void benchmark(int p, LocalSolverMethod method) {
     if (i * j * k == 0 || i == p || j == p || k == p)
       for (int c = 0; c < 3; ++c) boundary.push_back(3 * int(node) + c);
   }
-  const double schurFactor = seconds([&] { LocalSchur(s.K, s.kernel, boundary, method); });
-  const LocalSchur schur(s.K, s.kernel, boundary, method);
+  const double schurFactor = seconds([&] { SurfaceSchur(s.K, s.kernel, boundary, method); });
+  const SurfaceSchur schur(s.K, s.kernel, boundary, method);
   const Dense x = Dense::Random(schur.size(), 1);
   Dense y(schur.size(), 1);
   std::printf("  Schur: factor %9.2e  apply %9.2e", schurFactor, seconds([&] { schur.apply(x, y); }));

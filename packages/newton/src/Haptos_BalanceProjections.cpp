@@ -36,12 +36,14 @@ Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors
 
 }  // namespace
 
+// EE = G_E G_E^T, singular in the motions that contact alone holds: there with holds.  Where G G^T was made with contact rows as
+// its changing part, it is G G^T without that part and shares the elimination.
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
     : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), coarseSize_(dual.GT->cols()) {
   if (dual.contactChangesGGT) EE_ = std::make_unique<CoarseProblem>(*dual.GGT, dual.holds);
   else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), dual.holds);
   const Eigen::Index k = dual.motions.cols();
-  Zk_.resize(coarseSize_, k);
+  Zk_.resize(coarseSize_, k);  // orthonormal: what is projected off a below is Zk Zk^T a
   if (k > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(dual.motions).householderQ() * Eigen::MatrixXd::Identity(coarseSize_, k);
   jumps_ = *dual.GT * Zk_;
   H_.resize(3 * vectors.numPairs(), k);
@@ -59,6 +61,7 @@ Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
   return g;
 }
 
+// v_E := v_E - G_E^T a,   G_E G_E^T a = G v - target
 void GluingBalance::balance(Eigen::VectorXd& v, const Eigen::VectorXd& target) const {
   const Eigen::VectorXd mine = multiplyTransposed(*dual_.GT, v);
   const Eigen::VectorXd a = EE_->solveSum(mine, target);
@@ -69,6 +72,8 @@ Eigen::VectorXd GluingBalance::sumGluing(const Eigen::VectorXd& v) const {
   return multiplyTransposed(*dual_.GT, isGluing_.cwiseProduct(v));
 }
 
+// s := s - G^T (1 - Zk Zk^T) a,   G_E G_E^T a = G_E s_E: the rigid motions that gluing rows see, of contact rows, too; those of
+// floating bodies stay, as they are unknowns
 void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   Eigen::VectorXd a = EE_->solveSum(sumGluing(s));
   a -= Zk_ * (Zk_.transpose() * a);
@@ -99,6 +104,7 @@ CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
 
 }  // namespace
 
+// coarse_ = G_E D G_E^T, fixed, + G_c^T-rows weighted by the law, changing: `renew` sends and factors the second part alone.
 ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const GluingBalance& gluing, const DualVectors& vectors,
                                                const Eigen::VectorXd& weights)
     : gluing_(gluing),
@@ -111,6 +117,8 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
       coarse_(dual.GGT->placement(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds()),
               CoarseProblem::Factor::WithRoughRenewal) {}
 
+// Contact rows of G_A: Y G_c^T with Y = 1 on closed normal rows, E sqrt(theta) E^T on tangential ones, 0 elsewhere.  For a force
+// sqrt(theta) z this is what its z does to the balance, and K = G_A D G_A^T has theta D on a slip mode: what it can carry.
 void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vector<TangentialModes>& modes) {
   std::vector<Eigen::Triplet<double>> triplets;
   for (std::size_t i = 0; i < modes.size(); ++i) {
@@ -129,6 +137,7 @@ void ActiveCoarseProjection::renew(const LawLinearization& law, const std::vecto
   if (!gluingAlone_) gluingAlone_ = std::make_unique<CoarseProblem>(coarse_, gluing_.holds());
 }
 
+// r := r - G_A^T a,   K a = G_A D r
 void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
   const Eigen::Map<const Eigen::VectorXd> contactWeights(contactWeights_.data(), Eigen::Index(contactWeights_.size()));
   const Eigen::VectorXd contact = vectors_.contact(residual);
@@ -140,23 +149,26 @@ void ActiveCoarseProjection::projectDual(Eigen::VectorXd& residual) const {
 }
 
 PrimalBalance::PrimalBalance(const ActiveCoarseProjection& active, const Eigen::VectorXd& z)
-    : active_(active), taken_(active.coarse_, active.gluing_.sumGluing(z)) {}
+    : active_(active), series_(active.coarse_, active.gluing_.sumGluing(z)) {}
 
-// Takes G_E z_E + contactSum off by all active rows; returns what the contact values are to change by.
-Eigen::VectorXd PrimalBalance::spread(const Eigen::VectorXd& contactSum) {
+// K a = G_E z_E + contactSum, where G_E z_E is what it was at the start less G_E D G_E^T of all a so far (`CoarseProblem::Series`);
+// the contact values are to change by - D Y G_c^T a.
+Eigen::VectorXd PrimalBalance::takeOff(const Eigen::VectorXd& contactSum) {
   const auto& weights = active_.contactWeights_;
-  const Eigen::VectorXd a = taken_.next(contactSum);
+  const Eigen::VectorXd a = series_.next(contactSum);
   return -Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).cwiseProduct(multiply(active_.active_, a));
 }
 
+// Values before the law are those of G_A (sqrt(theta) is still missing), those after it forces, which G_c itself sums up.
 Eigen::VectorXd PrimalBalance::project(const Eigen::VectorXd& contact) {
-  return contact + spread(multiplyTransposed(active_.active_, contact));
+  return contact + takeOff(multiplyTransposed(active_.active_, contact));
 }
 
-Eigen::VectorXd PrimalBalance::carry(const Eigen::VectorXd& contact) { return spread(multiplyTransposed(active_.contactRows_, contact)); }
+Eigen::VectorXd PrimalBalance::spreadImbalance(const Eigen::VectorXd& contact) { return takeOff(multiplyTransposed(active_.contactRows_, contact)); }
 
+// z_E := z_E - D G_E^T a,   G_E D G_E^T a = G_E z_E + G_c contact, with z_E of the start: one change for all that came between
 void PrimalBalance::finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z) {
-  const Eigen::VectorXd a = taken_.last(*active_.gluingAlone_, multiplyTransposed(active_.contactRows_, contact));
+  const Eigen::VectorXd a = series_.last(*active_.gluingAlone_, multiplyTransposed(active_.contactRows_, contact));
   z -= active_.weights_.cwiseProduct(multiply(active_.gluing_.GT(), a));
   active_.vectors_.setContact(z, contact);
 }

@@ -30,6 +30,7 @@ class GluingBalance {
   /// \brief This rank's part of G_E v_E [l].
   Eigen::VectorXd sumGluing(const Eigen::VectorXd& v) const;
 
+  const DualVectors& vectors() const { return vectors_; }
   const CoarseRows& GT() const { return *dual_.GT; }
   const Eigen::VectorXd& isGluing() const { return isGluing_; }  ///< [rows] 1 or 0
   Eigen::Index numFloating() const { return jumps_.cols(); }  ///< k, those that are felt
@@ -90,16 +91,16 @@ class PrimalBalance {
 
   /// \brief Spreads the imbalance that z has with these contact values over all active rows; returns what they are to
   /// change by.  Collective.
-  Eigen::VectorXd carry(const Eigen::VectorXd& contact);
+  Eigen::VectorXd spreadImbalance(const Eigen::VectorXd& contact);
 
   /// \brief z with these contact values, balanced by the gluing rows alone: G z = 0, D-weighted.  Collective.
   void finish(const Eigen::VectorXd& contact, Eigen::VectorXd& z);
 
  private:
-  Eigen::VectorXd spread(const Eigen::VectorXd& contactSum);
+  Eigen::VectorXd takeOff(const Eigen::VectorXd& contactSum);
 
   const ActiveCoarseProjection& active_;
-  CoarseProblem::Series taken_;  // a: D G_A^T a is taken off so far
+  CoarseProblem::Series series_;  // a: D G_A^T a is taken off so far
 };
 
 }  // namespace Haptos

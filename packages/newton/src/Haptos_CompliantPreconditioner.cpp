@@ -6,12 +6,15 @@
 
 namespace Haptos {
 
-CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance)
-    : dual_(dual), vectors_(vectors), tolerance_(tolerance) {}
+CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance,
+                                                 int maximumSteps)
+    : dual_(dual), vectors_(vectors), tolerance_(tolerance), maximumSteps_(maximumSteps) {}
 
 void CompliantPreconditioner::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law,
                                       const std::vector<TangentialModes>& modes) {
   constexpr double kRigid = 1e-12;  // of 1 - theta: sticking
+  // Modes that the law holds (theta = 0) take no part; those that stick have C = 0 and M serves them; what lies between has
+  // C^-1 = r sigma / (1 - sigma) and, in E^T M E, about k on the diagonal.
   const Eigen::Index n = 3 * Eigen::Index(pairs.size());
   rotations_.assign(pairs.size(), Eigen::Matrix2d::Identity());
   isCompliant_ = inverseC_ = Eigen::VectorXd::Zero(n);
@@ -43,12 +46,13 @@ Eigen::VectorXd CompliantPreconditioner::turned(Eigen::VectorXd x, Turn turn) co
   return x;
 }
 
-// (C^-1 + E^T M E) q = b by conjugate gradients.  The next r^T z follows from sums that are taken with this step's: it decides
-// how far to go, and is summed anew by the next step.
+// (C^-1 + E^T M E) q = b by conjugate gradients, D the diagonal of the matrix.  The next r^T z follows from sums that are taken
+// with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction
+// a step.  It decides how far to go, and is summed anew by the next step.
 Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& b) const {
   Eigen::VectorXd q = Eigen::VectorXd::Zero(b.size()), r = b, z = r.cwiseQuotient(diagonal_), p = z;
   double target = -1;
-  for (int step = 0; step < kMaxSteps; ++step) {
+  for (int step = 0; step < maximumSteps_; ++step) {
     const Eigen::VectorXd MEp = vectors_.applyOnContact(*dual_.contactM, turned(p, Turn::FromModes));
     const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + turned(MEp, Turn::ToModes).cwiseProduct(isCompliant_);
     const Eigen::VectorXd DAp = Ap.cwiseQuotient(diagonal_);
@@ -67,6 +71,7 @@ Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& 
   return q;
 }
 
+// By Woodbury (M^-1 + E C E^T)^-1 r = M (r - E q), where q = C E^T z is the jump of the springs; r of the modes is r_theta / sqrt(theta).
 Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
   if (!isNeeded_) return vectors_.apply(*dual_.M, r);
   Eigen::VectorXd w = r;
@@ -76,7 +81,7 @@ Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
   const Eigen::VectorXd q = solveCompliance(ETMw.cwiseProduct(isCompliant_));
   vectors_.setContact(w, turned(rhs - q, Turn::FromModes));
   Eigen::VectorXd z = vectors_.apply(*dual_.M, w);
-  // C z = q holds exactly; the difference M (r - E q) would lose it where C is large.
+  // E^T z = C^-1 q holds exactly; the difference M (r - E q) would lose it where C is large.
   Eigen::VectorXd modes = turned(vectors_.contact(z), Turn::ToModes);
   for (Eigen::Index i = 0; i < modes.size(); ++i)
     if (isCompliant_[i] != 0) modes[i] = inverseC_[i] * q[i];

@@ -19,16 +19,14 @@ namespace Haptos {
 /// Vectors are in the variables of the coarse projections, r_theta = sqrt(theta) r and z_theta = z / sqrt(theta).
 class CompliantPreconditioner {
  public:
-  /// References are kept.  \param tolerance of q, relative
-  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance);
+  /// References are kept.  \param tolerance of q, relative; \param maximumSteps of conjugate gradients
+  CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance, int maximumSteps);
 
   /// \param modes [pairs], valid where law.tangential.
   void prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law, const std::vector<TangentialModes>& modes);
 
-  /// \brief Collective: M, the contact rows of M, up to kMaxSteps times its contact block with one reduction each.
+  /// \brief Collective: M, the contact rows of M, up to `maximumSteps` times its contact block with one reduction each.
   Eigen::VectorXd apply(const Eigen::VectorXd& r) const;
-
-  static constexpr int kMaxSteps = 40;
 
  private:
   enum class Turn { ToModes, FromModes };
@@ -38,6 +36,7 @@ class CompliantPreconditioner {
   const ContactOperators& dual_;
   const DualVectors& vectors_;
   double tolerance_;
+  int maximumSteps_;
   std::vector<Eigen::Matrix2d> rotations_;  // [pairs] modes in columns
   Eigen::VectorXd isCompliant_, inverseC_, diagonal_, scale_;  // [3 pairs], in modes; scale_ = sqrt(theta)
   bool isNeeded_ = false;

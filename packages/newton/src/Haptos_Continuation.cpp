@@ -2,6 +2,7 @@
 #include "Haptos_Continuation.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_Comm.hpp>
 #include <algorithm>
 
 namespace Haptos {
@@ -34,6 +35,24 @@ double largestAxisRatio(const std::vector<PairLaw>& pairs, const Communicator& c
 std::vector<std::vector<PairLaw>> axisRatioLevels(const std::vector<PairLaw>& pairs, double ratio, double start, double factor) {
   std::vector<std::vector<PairLaw>> levels;
   for (double b = 1 / start; b * ratio > 1; b /= factor) levels.push_back(roundedEllipses(pairs, b));
+  return levels;
+}
+
+FrictionLevels ContinuationPolicy::first(bool mindsAxisRatio) const {
+  FrictionLevels levels{{}, options_.levelTolerance, options_.levelPatience};
+  if (isElongated() && mindsAxisRatio) levels.laws = axisRatioLevels(pairs_, ratio_, options_.firstAxisRatio, options_.axisRatioStep);
+  levels.laws.push_back(easier());
+  return levels;
+}
+
+FrictionLevels ContinuationPolicy::detour(int restart) const {
+  FrictionLevels levels{{}, options_.detourTolerance, options_.detourPatience};
+  if (isElongated()) {
+    levels.laws = axisRatioLevels(pairs_, ratio_, options_.detourAxisRatio, options_.detourAxisRatioStep);
+    return levels;
+  }
+  const auto& factors = options_.detourFactors;
+  for (double factor : factors[std::min(std::size_t(restart), factors.size() - 1)]) levels.laws.push_back(scaledCoefficients(pairs_, factor));
   return levels;
 }
 

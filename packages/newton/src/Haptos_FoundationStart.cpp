@@ -24,6 +24,7 @@ class Foundation {
     meanR_ = sums[0] / std::max(1.0, sums[1]);
   }
 
+  // P(x + r H a), h = H^T P - load and dh/da = H^T P' r H; P(y) = y - phi of the law with r = 1, s = 0
   State evaluate(const Eigen::VectorXd& a) const {
     const Eigen::VectorXd x = x_ + rH_ * a;
     const auto law = linearizeLaw(pairs_, x, Eigen::VectorXd::Zero(x.size()), Eigen::VectorXd::Ones(r_.size()));
@@ -39,7 +40,7 @@ class Foundation {
     return state;
   }
 
-  // Everything closed and sticking.
+  // Everything closed and sticking, P = 1: H^T r H a = load - H^T x.
   Eigen::VectorXd stuck() const {
     Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
     sums << H_.transpose() * rH_, H_.transpose() * x_;
@@ -47,17 +48,18 @@ class Foundation {
     return Eigen::MatrixXd(sums.leftCols(H_.cols())).completeOrthogonalDecomposition().solve(load_ - sums.rightCols(1));
   }
 
-  bool step(State& state) const {
-    for (double mu : {0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0, 10.0}) {
+  // Newton, damped by springs to the ground until something descends: a body whose pairs all slip or are open has J singular.
+  bool step(State& state, const SubspaceNewtonOptions::Foundation& options) const {
+    for (double mu : options.dampings) {
       Eigen::MatrixXd J = state.J;
       J.diagonal().array() += mu * meanR_;
       Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
       qr.setThreshold(kUnfelt);
       const Eigen::VectorXd da = -qr.compute(J).solve(state.h);
       if (!da.allFinite()) continue;
-      for (double t = 1; t > 1e-2; t /= 2) {
+      for (double t = 1; t > options.shortestStep; t /= 2) {
         State next = evaluate(state.a + t * da);
-        if (next.h.norm() < (1 - 1e-3 * t) * state.h.norm()) {
+        if (next.h.norm() < (1 - options.armijo * t) * state.h.norm()) {
           state = std::move(next);
           return true;
         }
@@ -80,8 +82,10 @@ class Foundation {
 }  // namespace
 
 FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, const Eigen::VectorXd& r,
-                                const GluingBalance& balance, const DualVectors& vectors) {
-  // In motions that are orthonormal on the contact surface the equations are well scaled.
+                                const GluingBalance& balance, const SubspaceNewtonOptions::Foundation& options) {
+  const DualVectors& vectors = balance.vectors();
+  // In motions that are orthonormal on the contact surface, H := H S with (H S)^T H S = 1, the equations are well scaled: lengths and
+  // angles are no longer mixed.  Motions that the surface does not feel get S = 0.
   Eigen::MatrixXd HH = balance.H().transpose() * balance.H();
   vectors.sum(HH);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(HH);
@@ -93,8 +97,8 @@ FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::
   const Foundation foundation(pairs, x, r, H, load, vectors);
   const double loadNorm = load.norm();
   State state = foundation.evaluate(foundation.stuck());
-  for (int i = 0; i < 100 && state.h.norm() > 1e-12 * loadNorm; ++i)
-    if (!foundation.step(state)) break;
+  for (int i = 0; i < options.steps && state.h.norm() > options.tolerance * loadNorm; ++i)
+    if (!foundation.step(state, options)) break;
   return {S * state.a, state.forces, loadNorm > 0 ? state.h.norm() / loadNorm : state.h.norm()};
 }
 

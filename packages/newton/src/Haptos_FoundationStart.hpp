@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "Haptos_BalanceProjections.hpp"
+#include "Haptos_SubspaceNewtonOptions.hpp"
 
 namespace Haptos {
 
@@ -13,6 +14,6 @@ struct FoundationState {
 
 /// \brief Newton's method, damped; gives contact forces for floating bodies to start from.  Collective.
 FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& x, const Eigen::VectorXd& r,
-                                const GluingBalance& balance, const DualVectors& vectors);
+                                const GluingBalance& balance, const SubspaceNewtonOptions::Foundation& options = {});
 
 }  // namespace Haptos

@@ -16,6 +16,7 @@ LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::Ve
   result.tangential.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i) {
     const Eigen::Index at = 3 * Eigen::Index(i);
+    // phi = (lambda - P(x)) / r with x = lambda + r s; dP = P'(x)
     const Eigen::Vector3d x = lambda.segment<3>(at) + r[Eigen::Index(i)] * s.segment<3>(at);
     const PairProjection P = pairs[i].project({x[0], x[1], x[2]});
     for (int a = 0; a < 3; ++a) {
@@ -28,6 +29,7 @@ LawLinearization linearizeLaw(const std::vector<PairLaw>& pairs, const Eigen::Ve
   return result;
 }
 
+// (I - P') / r V - P' S = V / r - P' (V / r + S): one product with P' a pair
 Eigen::MatrixXd LawLinearization::multiply(const Eigen::Ref<const Eigen::MatrixXd>& V, const Eigen::Ref<const Eigen::MatrixXd>& S) const {
   Eigen::MatrixXd J = V;
   for (Eigen::Index i = 0; i < r.size(); ++i) J.middleRows<3>(3 * i) /= r[i];
@@ -43,6 +45,7 @@ TangentialModes TangentialModes::of(const Eigen::Matrix3d& dP, double r, double 
   modes.E = eigen.eigenvectors();
   modes.stiffness = stiffness;
   for (int m = 0; m < 2; ++m) {
+    // the law's compliance C in series with the body's, about 1 / k: theta is the part of a force that the body gets
     modes.sigma[m] = std::clamp(eigen.eigenvalues()[m], 0.0, 1.0);
     const double compliance = (1 - modes.sigma[m]) / (r * std::max(modes.sigma[m], 1e-14));
     modes.theta[m] = modes.isHeld(m) || stiffness <= 0 ? 0.0 : (1 / stiffness) / (compliance + 1 / stiffness);

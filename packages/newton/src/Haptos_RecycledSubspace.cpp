@@ -20,6 +20,7 @@ void RecycledSubspace::clear() {
   Q_.truncate(0);
 }
 
+// Columns are taken out as they are, (v_j, s_j) with s_j from Q R, and added again: R of a subset of columns is not a part of R.
 void RecycledSubspace::dropOldest() {
   const Eigen::Index kept = std::max<Eigen::Index>(1, 2 * maximum_ / 3 - 2), dropped = size_ - permanent_ - kept;
   if (dropped <= 0) return;
@@ -35,6 +36,7 @@ void RecycledSubspace::dropOldest() {
   for (std::size_t j = 0; j < jumpsOf.size(); ++j) add(multipliers[j], jumpsOf[j]);
 }
 
+// S y: Q R y on gluing rows, Sc y on contact rows; the jumps themselves are not kept
 Eigen::VectorXd RecycledSubspace::jumps(const Eigen::VectorXd& y) const {
   Eigen::VectorXd s = Eigen::VectorXd::Zero(vectors_.numRows()), gluing = Eigen::VectorXd::Zero(Eigen::Index(vectors_.gluingRows().size()));
   Q_.addProduct(R().triangularView<Eigen::Upper>() * y, gluing);
@@ -56,10 +58,11 @@ void RecycledSubspace::growDense() {
   Sc_.conservativeResize(3 * vectors_.numPairs(), capacity);
 }
 
-// Classical Gram-Schmidt, again as long as most is taken off: what is left is then as good as its length.
+// Classical Gram-Schmidt, q := q - Q Q^T q, again as long as most is taken off: what is left is then as good as its length.  Its
+// length comes with the same sums, |q - Q d|^2 = |q|^2 - |d|^2; where that is a difference of equal numbers another pass follows.
 double RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s) {
-  constexpr double kDependent = 1e-13;
-  constexpr int kPasses = 3;
+  constexpr double kDependent = 1e-13;  // of the length: the rest is round-off, its direction chance
+  constexpr int kPasses = 3;            // twice is enough for what is independent
   const Eigen::Index m = size_;
   if (m == R_.cols()) growDense();
   Eigen::VectorXd q = vectors_.gluing(s), coefficients = Eigen::VectorXd::Zero(m), sums(m + 2);

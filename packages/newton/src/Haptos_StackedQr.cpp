@@ -7,6 +7,7 @@
 namespace Haptos {
 namespace {
 
+// R of A = Q R; signs of its rows are as they come, only R^T R counts
 Eigen::MatrixXd triangleOf(Eigen::MatrixXd A) {
   const Eigen::Index n = A.cols(), rows = std::min(A.rows(), n);
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
@@ -16,6 +17,7 @@ Eigen::MatrixXd triangleOf(Eigen::MatrixXd A) {
   return R;
 }
 
+// The triangle by columns, n (n + 1) / 2 numbers for a message.
 Eigen::VectorXd packed(const Eigen::MatrixXd& R) {
   Eigen::VectorXd values(R.cols() * (R.cols() + 1) / 2);
   for (Eigen::Index j = 0, at = 0; j < R.cols(); at += ++j) values.segment(at, j + 1) = R.col(j).head(j + 1);
@@ -36,6 +38,8 @@ Eigen::MatrixXd stackedQr(const Communicator& comm, const Eigen::MatrixXd& A) {
   Eigen::MatrixXd R = triangleOf(A);
   if (ranks == 1 || n == 0) return R;
   Eigen::VectorXd values(n * (n + 1) / 2);
+  // A binary tree: [R_a; R_b] has the products of all rows below both, and its R is as large as theirs.  Rank 0 ends with all;
+  // others get its digits, so that no branch differs.
   for (int step = 1; step < ranks; step *= 2) {
     if (me % (2 * step) != 0) {  // done after this
       values = packed(R);

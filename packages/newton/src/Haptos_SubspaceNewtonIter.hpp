@@ -2,18 +2,14 @@
 #pragma once
 #include <functional>
 
-#include "Haptos_NewtonDirection.hpp"
+#include "Haptos_DirectionChoice.hpp"
 #include "Haptos_RecycledSubspace.hpp"
+#include "Haptos_SubspaceDescent.hpp"
 
 namespace Haptos {
 
-/// \brief Multipliers and jumps during the iteration; [rows] each.
-struct NewtonState {
-  Eigen::VectorXd lambda, s;
-};
-
 /// \brief Why the iteration came back.
-enum class NewtonStop { Converged, Stalled, Plateau, Limit };  ///< Plateau: a model of the direction, not yet made, may help
+enum class NewtonStop { Converged, Stalled, Plateau, Limit };  ///< Plateau: condensed directions, not yet made, may help
 
 /// \brief When the iteration comes back.
 struct NewtonLimits {
@@ -33,8 +29,16 @@ struct NewtonLimits {
 /// directions are added for the linear residual (an inexact Newton step), until two good steps in a row.
 class SubspaceNewtonIter {
  public:
-  SubspaceNewtonIter(const ContactOperators& dual, const DualVectors& vectors, const GluingBalance& balance, NewtonDirection& direction,
-                     RecycledSubspace& subspace, Eigen::VectorXd r);
+  /// References are kept.
+  struct Parts {
+    const ContactOperators& dual;
+    const DualVectors& vectors;
+    const GluingBalance& balance;
+    DirectionChoice& directions;
+    RecycledSubspace& subspace;
+  };
+  /// \param r [pairs] penalty of the law, of which `SubspaceNewtonOptions::Steps::penalties` are parts.
+  SubspaceNewtonIter(const Parts& parts, Eigen::VectorXd r, const SubspaceNewtonOptions::Steps& options);
 
   /// \brief Improves `state`; `needsDirection` tells whether the first step must add a pair.  Collective.
   NewtonStop iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits, bool needsDirection);
@@ -47,16 +51,12 @@ class SubspaceNewtonIter {
   double residual() const { return norm_; }  ///< || (s_E, phi) || [length]
 
  private:
-  struct SmallSystem;
-  struct Trial;
-  struct Descent;
-
   void begin(const std::vector<PairLaw>& pairs, const NewtonState& state);
   void advance(NewtonState& state, const NewtonLimits& limits, bool needsDirection);
   void linearize(const NewtonState& state);
   void measure(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
-  void planStep(double length, const Eigen::VectorXd& sigma);
+  void planStep(double length, const Eigen::VectorXd& jumpChange);
   void makeRoom(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
   void solveInSubspace(NewtonState& state);
@@ -69,15 +69,14 @@ class SubspaceNewtonIter {
   bool hasMorePenalties() const;
   bool isPoor() const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
-  Trial evaluate(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double gluing2) const;
-  SmallSystem smallSystem(const LawLinearization& law, const Eigen::VectorXd& gluing) const;
   long applications() const { return dual_.F->applications() - firstApplication_; }
 
   const ContactOperators& dual_;
   const DualVectors& vectors_;
   const GluingBalance& balance_;
-  NewtonDirection& direction_;
+  DirectionChoice& directions_;
   RecycledSubspace& subspace_;
+  SubspaceNewtonOptions::Steps options_;
   Eigen::VectorXd baseR_, r_;  // [pairs]
 
   const std::vector<PairLaw>* pairs_ = nullptr;

@@ -10,6 +10,9 @@
 
 namespace Haptos {
 
+class SubspaceNewtonRun;
+struct SubspaceNewtonOptions;
+
 /// \brief One step of the subspace Newton method.
 struct SubspaceNewtonRecord {
   long hessianApplications = 0;  ///< so far, over all calls of solve()
@@ -29,6 +32,11 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   /// (lambda, s) -> dimensionless residual, the same on every rank.
   using StatusTest = std::function<double(const Vector&, const Vector&)>;
   using Observer = std::function<void(const SubspaceNewtonRecord&, const Vector&)>;
+  /// Both may be empty.
+  struct Hooks {
+    StatusTest statusTest;
+    Observer observer;
+  };
 
   SubspaceNewtonSolMgr();
   ~SubspaceNewtonSolMgr() override;
@@ -42,10 +50,10 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   void setParameters(const RCP<Teuchos::ParameterList>& parameters) override;
 
   /// \brief Replaces the built-in test || (s_E, phi) || / || s of the start ||.
-  void setStatusTest(StatusTest test) { statusTest_ = std::move(test); }
+  void setStatusTest(StatusTest test) { hooks_.statusTest = std::move(test); }
 
   /// \brief Called with every step and its multipliers, e.g. to print progress.
-  void setObserver(Observer observer) { observer_ = std::move(observer); }
+  void setObserver(Observer observer) { hooks_.observer = std::move(observer); }
 
   /// \brief Goes on from other multipliers and jumps at the next solve(), without continuation and without pairs.
   /// Collective; after setProblem.
@@ -70,21 +78,20 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   const LinearProblem& getProblem() const override { return *problem_; }
   RCP<const Teuchos::ParameterList> getValidParameters() const override;
   RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
-  double achievedTol() const override { return residual_; }
+  double achievedTol() const override;
   int getNumIters() const override;
   bool isLOADetected() const override { return reason_ == stagnation(); }
   void reset(const Belos::ResetType type) override;
 
  private:
-  struct Work;
+  SubspaceNewtonRun& run();
   static const char* stagnation() { return "stagnation"; }
 
   RCP<ContactProblem> problem_;
   RCP<Teuchos::ParameterList> parameters_;
-  StatusTest statusTest_;
-  Observer observer_;
-  std::unique_ptr<Work> work_;
-  double residual_ = -1;
+  std::unique_ptr<SubspaceNewtonOptions> options_;  // typed parameters_
+  Hooks hooks_;
+  std::unique_ptr<SubspaceNewtonRun> run_;  // since setProblem, from the first use on
   std::string reason_;
 };
 

@@ -82,7 +82,7 @@ TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
 TEUCHOS_UNIT_TEST(FoundationStart, ForcesObeyTheLawAndCarryTheLoad) {
   Parts t(kGroups, kGluing, true);
   const Eigen::VectorXd x = Eigen::VectorXd::Zero(3 * t.vectors.numPairs()), r = Eigen::VectorXd::Constant(t.vectors.numPairs(), 3.0);
-  const FoundationState state = solveFoundation(t.dual.pairs, x, r, t.balance, t.vectors);
+  const FoundationState state = solveFoundation(t.dual.pairs, x, r, t.balance);
   TEST_COMPARE(state.residual, <, 1e-10);
   Eigen::VectorXd carried = t.balance.H().transpose() * state.forces;
   t.vectors.sum(carried);

@@ -3,7 +3,7 @@
 #include <Teuchos_UnitTestHarness.hpp>
 
 #include "DenseContact.hpp"
-#include "Haptos_NewtonDirection.hpp"
+#include "Haptos_DirectionChoice.hpp"
 
 namespace {
 
@@ -77,12 +77,12 @@ TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndComplianc
   const DenseMatrix flexibility = t.setup.d.M.inverse() + C;
   const DenseVector expected = root.inverse() * flexibility.partialPivLu().solve(root.inverse() * b);
   for (double tolerance : {1e-3, 1e-11}) {
-    CompliantPreconditioner preconditioner(t.dual, t.vectors, tolerance);
+    CompliantPreconditioner preconditioner(t.dual, t.vectors, tolerance, 40);
     preconditioner.prepare(t.dual.pairs, t.law, modes);
     TEST_COMPARE(t.difference(preconditioner.apply(t.local(b)), expected), <, 10 * tolerance);
   }
   // where nothing gives way it is M
-  CompliantPreconditioner stuck(t.dual, t.vectors, 1e-3);
+  CompliantPreconditioner stuck(t.dual, t.vectors, 1e-3, 40);
   LawLinearization sticks = t.law;
   for (auto& dP : sticks.dP) dP.setIdentity();
   for (std::size_t i = 0; i < modes.size(); ++i) modes[i] = TangentialModes::of(sticks.dP[i], kPenalty, kStiffness);
@@ -90,22 +90,22 @@ TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndComplianc
   TEST_COMPARE(t.difference(stuck.apply(t.local(b)), t.setup.d.M * b), <, 1e-13);
 }
 
-TEUCHOS_UNIT_TEST(CondensedNewton, SolvesTheLinearisedLaw) {
+TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLinearisedLaw) {
   const Scene t(false);
-  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
   const DenseMatrix Mcc = t.contactM();
   const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
   const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
   const DenseVector sigma = t.wholeLaw.multiply(Mcc, -I).partialPivLu().solve(rhs);
   DenseVector jumps = t.s;
   jumps.head(3 * kGroups) = sigma;
-  TEST_COMPARE(t.difference(condensed.linearDirection(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
+  TEST_COMPARE(t.difference(condensed.solveLinearized(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
 }
 
-TEUCHOS_UNIT_TEST(CondensedNewton, SolvesTheLawItself) {
+TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
   const Scene t(false);
-  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
-  const CondensedNewton::Step step = condensed.direction(t.dual.pairs, t.r, t.myLambda, t.myS);
+  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const CondensedContact::Step step = condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS);
   const auto after = linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r);
   TEST_COMPARE(t.vectors.norm(after.phi), <, 1e-8 * t.wholeLaw.phi.norm());
   // the step is the response to the jumps that it closes
@@ -114,9 +114,9 @@ TEUCHOS_UNIT_TEST(CondensedNewton, SolvesTheLawItself) {
   TEST_COMPARE(t.difference(step.z, t.setup.d.M * t.global(jumps)), <, 1e-12);
 }
 
-TEUCHOS_UNIT_TEST(CondensedNewton, PairsFeelTheirComplianceWithTheOthersOpen) {
+TEUCHOS_UNIT_TEST(CondensedContact, PairsFeelTheirComplianceWithTheOthersOpen) {
   const Scene t(false);
-  const CondensedNewton condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
   const DenseMatrix flexibility = t.contactM().inverse();
   Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(t.vectors.numRows()), normal = Eigen::VectorXd::Zero(3 * t.vectors.numPairs());
   const Eigen::VectorXd felt = condensed.normalStiffness();
@@ -128,12 +128,14 @@ TEUCHOS_UNIT_TEST(CondensedNewton, PairsFeelTheirComplianceWithTheOthersOpen) {
 }
 
 // What the law decides is so, and nothing is out of balance.
-TEUCHOS_UNIT_TEST(NewtonDirection, IsBalancedAndFollowsTheLaw) {
+TEUCHOS_UNIT_TEST(BalancedDirection, IsBalancedAndFollowsTheLaw) {
   for (const bool floating : {false, true}) {
     const Scene t(floating);
-    NewtonDirection direction(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance);
-    const NewtonDirection::Point point{t.myLambda, t.myS, t.law.phi};
-    const DenseVector v = t.global(direction.compute(t.dual.pairs, t.law, point));
+    BalancedDirection balanced(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance, {});
+    const DirectionPoint point{t.myLambda, t.myS, t.law.phi};
+    const Direction direction = balanced.compute(t.dual.pairs, t.law, point, NewtonDirection::Target::Law);
+    TEST_ASSERT(!direction.isWhole);
+    const DenseVector v = t.global(direction.v);
     TEST_COMPARE((t.GT.transpose() * v).norm(), <, 1e-8 * v.norm());
     if (floating) continue;  // there open pairs, too, may have to hold the body
     for (int i = 0; i < kGroups; ++i) {
@@ -144,15 +146,15 @@ TEUCHOS_UNIT_TEST(NewtonDirection, IsBalancedAndFollowsTheLaw) {
 }
 
 // Whatever a pair's own units, r is measured by the stiffness of normal rows.
-TEUCHOS_UNIT_TEST(NewtonDirection, PenaltyIsTheMedianOfNormalStiffnesses) {
+TEUCHOS_UNIT_TEST(DirectionChoice, PenaltyIsTheMedianOfNormalStiffnesses) {
   const Scene t(false);
-  const NewtonDirection direction(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance);
+  DirectionChoice directions(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance, {});
   std::vector<double> normal;
   for (int i = 0; i < kGroups; ++i) normal.push_back(t.setup.d.M(3 * i, 3 * i));
   std::sort(normal.begin(), normal.end());
   const double median = 0.5 * (normal[kGroups / 2 - 1] + normal[kGroups / 2]);
-  for (double value : direction.pairStiffness()) TEST_FLOATING_EQUALITY(value, median, 1e-13);
-  TEST_ASSERT(!direction.hasModel() && !direction.mayHaveModel());  // nobody offers one
+  for (double value : directions.pairStiffness()) TEST_FLOATING_EQUALITY(value, median, 1e-13);
+  TEST_ASSERT(!directions.mayCondense() && !directions.condense() && !directions.isCondensed());  // nobody offers a better M
 }
 
 }  // namespace

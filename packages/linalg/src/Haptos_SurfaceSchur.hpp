@@ -22,19 +22,19 @@ namespace Haptos {
 /// in a row each, stays in double precision.
 ///
 /// Use: the Dirichlet preconditioner of FETI, Farhat, Mandel, Roux, Comput. Methods Appl. Mech. Engng. 115 (1994) 365.
-class LocalSchur {
+class SurfaceSchur {
  public:
   /// \param K        n x n, symmetric positive semidefinite, both triangles stored.
   /// \param kernel   n x k, orthonormal columns spanning the kernel of K.
   /// \param boundary local unknowns 0..n-1, without repetition, in any order; all or none may be listed.
   /// \throws InputError if CHOLMOD is asked for and not built in.
   /// \throws std::runtime_error if K_ii does not factor.
-  LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
+  SurfaceSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
              LocalSolverMethod method = LocalSolverMethod::Automatic, FactorPrecision precision = FactorPrecision::Double);
   /// \brief K_bb in the place of S: the lumped preconditioner's, an upper bound of it.
-  static LocalSchur lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision);
-  ~LocalSchur();
-  LocalSchur(LocalSchur&&) noexcept;
+  static SurfaceSchur lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision);
+  ~SurfaceSchur();
+  SurfaceSchur(SurfaceSchur&&) noexcept;
 
   Eigen::Index size() const;  ///< nb
 
@@ -56,7 +56,7 @@ class LocalSchur {
   struct NodeParts {
     NodeBlockMatrix Kbb, Kib;
   };
-  LocalSchur() = default;
+  SurfaceSchur() = default;
   void keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
             FactorPrecision precision);
   void keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior);

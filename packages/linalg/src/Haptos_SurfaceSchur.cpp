@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Haptos_LocalSchur.hpp"
+#include "Haptos_SurfaceSchur.hpp"
 
 #include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
@@ -94,7 +94,7 @@ Eigen::MatrixXd interiorKernel(const Eigen::MatrixXd& kernel, const std::vector<
 
 }  // namespace
 
-LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
+SurfaceSchur::SurfaceSchur(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
                        const std::vector<int>& boundary, LocalSolverMethod method, FactorPrecision precision) {
   TEUCHOS_ASSERT(K.rows() == K.cols() && K.rows() == kernel.rows());
   const auto interior = complement(K.rows(), boundary);
@@ -107,16 +107,16 @@ LocalSchur::LocalSchur(const Eigen::SparseMatrix<double>& K, const Eigen::Matrix
   interior_->releaseMatrix();
 }
 
-LocalSchur LocalSchur::lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision) {
-  LocalSchur result;
+SurfaceSchur SurfaceSchur::lumped(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, FactorPrecision precision) {
+  SurfaceSchur result;
   result.keep(K, boundary, {}, precision);
   return result;
 }
 
-LocalSchur::~LocalSchur() = default;
-LocalSchur::LocalSchur(LocalSchur&&) noexcept = default;
+SurfaceSchur::~SurfaceSchur() = default;
+SurfaceSchur::SurfaceSchur(SurfaceSchur&&) noexcept = default;
 
-void LocalSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
+void SurfaceSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
                       FactorPrecision precision) {
   size_ = Eigen::Index(boundary.size());
   isSingle_ = precision == FactorPrecision::Single && areWholeNodes(boundary) && areWholeNodes(interior);
@@ -124,7 +124,7 @@ void LocalSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<in
   else double_ = {extract(K, boundary, boundary), extract(K, interior, boundary)};
 }
 
-void LocalSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior) {
+void SurfaceSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior) {
   double largest = 0;  // of K_bb, positive semidefinite
   for (int i : boundary) largest = std::max(largest, K.coeff(i, i));
   if (largest > 0) scale_ = largest;
@@ -139,10 +139,10 @@ void LocalSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::ve
   single_.Kib = NodeBlockMatrix(K, inside, columns, int(interior.size() / 3), scale_, false);
 }
 
-Eigen::Index LocalSchur::size() const { return size_; }
-Eigen::Index LocalSchur::interiorKernelSize() const { return interiorKernelSize_; }
+Eigen::Index SurfaceSchur::size() const { return size_; }
+Eigen::Index SurfaceSchur::interiorKernelSize() const { return interiorKernelSize_; }
 
-void LocalSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+void SurfaceSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   TEUCHOS_ASSERT(X.rows() == size() && Y.rows() == size() && X.cols() == Y.cols());
   for (Eigen::Index first = 0; first < X.cols(); first += blockWidth) {
     const Eigen::Index width = std::min(blockWidth, X.cols() - first);
@@ -152,7 +152,7 @@ void LocalSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Ei
 }
 
 /// Y := K_bb X - K_bi K_ii^+ K_ib X; K_ib X lies in the range of K_ii, so any generalised inverse will do.
-void LocalSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+void SurfaceSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   Y.noalias() = double_.Kbb.transpose() * X;  // symmetric; sums by columns write nothing but their result
   if (!interior_) return;
   const Eigen::MatrixXd force = double_.Kib * X;
@@ -161,7 +161,7 @@ void LocalSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::
   Y.noalias() -= double_.Kib.transpose() * motion;
 }
 
-void LocalSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
+void SurfaceSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   if (X.size() == 0) return;
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
   const Eigen::Index m = X.cols(), inside = interior_ ? interior_->rows() : 0;
@@ -185,14 +185,14 @@ void LocalSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::
   }
 }
 
-LocalSchur::Parts LocalSchur::columns(const std::vector<int>& c) const {
+SurfaceSchur::Parts SurfaceSchur::columns(const std::vector<int>& c) const {
   if (isSingle_) return {single_.Kbb.columns(c), single_.Kib.columns(c)};
   const auto of = [&](const Eigen::SparseMatrix<double>& K) { return extract(K, complement(K.rows(), {}), c); };
   return {of(double_.Kbb), of(double_.Kib)};
 }
 
 /// K_cc - K_ci K_ii^+ K_ic
-Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const {
+Eigen::MatrixXd SurfaceSchur::block(const std::vector<int>& c) const {
   const Parts K = columns(c);
   const Eigen::Index n = Eigen::Index(c.size());
   std::vector<int> position(std::size_t(size()), -1);
@@ -212,7 +212,7 @@ Eigen::MatrixXd LocalSchur::block(const std::vector<int>& c) const {
   return 0.5 * (S + S.transpose());
 }
 
-Eigen::MatrixXd LocalSchur::dense() const {
+Eigen::MatrixXd SurfaceSchur::dense() const {
   std::vector<int> all(std::size_t(size()), 0);
   std::iota(all.begin(), all.end(), 0);
   return block(all);

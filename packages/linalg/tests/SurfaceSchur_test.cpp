@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Haptos_LocalSchur.hpp"
+#include "Haptos_SurfaceSchur.hpp"
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
@@ -50,7 +50,7 @@ double difference(const Dense& a, const Dense& b) { return (a - b).norm() / b.no
 
 }  // namespace
 
-TEUCHOS_UNIT_TEST(LocalSchur, MatchesDenseAlgebraOnJaggedParts) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, MatchesDenseAlgebraOnJaggedParts) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
   for (const auto method : {LocalSolverMethod::Automatic, LocalSolverMethod::Klu2})
@@ -58,7 +58,7 @@ TEUCHOS_UNIT_TEST(LocalSchur, MatchesDenseAlgebraOnJaggedParts) {
       const auto s = makeSubdomain(mesh, parts[p], 2e5, 0.3);
       const auto boundary = interfaceUnknowns(mesh, parts, p);
       TEST_ASSERT(boundary.size() > 60 && Eigen::Index(boundary.size()) < s.K.rows() - 60);
-      const LocalSchur schur(s.K, s.kernel, boundary, method);
+      const SurfaceSchur schur(s.K, s.kernel, boundary, method);
       TEST_EQUALITY(schur.interiorKernelSize(), 0);
       const Dense reference = denseSchur(s.K, boundary), S = schur.dense();
       TEST_COMPARE(difference(S, reference), <=, 1e-12);
@@ -74,12 +74,12 @@ TEUCHOS_UNIT_TEST(LocalSchur, MatchesDenseAlgebraOnJaggedParts) {
     }
 }
 
-TEUCHOS_UNIT_TEST(LocalSchur, BlockIsThatOfTheWhole) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, BlockIsThatOfTheWhole) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
   const auto s = makeSubdomain(mesh, parts[1], 2e5, 0.3);
   const auto boundary = interfaceUnknowns(mesh, parts, 1);
-  const LocalSchur schur(s.K, s.kernel, boundary);
+  const SurfaceSchur schur(s.K, s.kernel, boundary);
   std::vector<int> c;
   for (int i = int(boundary.size()) - 1; i >= 0; i -= 2) c.push_back(i);  // any order, more than one block of columns
   const Dense S = schur.dense(), block = schur.block(c);
@@ -89,7 +89,7 @@ TEUCHOS_UNIT_TEST(LocalSchur, BlockIsThatOfTheWhole) {
 }
 
 // In any units: the entries lie far outside the range of single precision.
-TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionInAnyUnits) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, SinglePrecisionInAnyUnits) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
   auto boundary = interfaceUnknowns(mesh, parts, 0, {0, 1, 2});
@@ -97,8 +97,8 @@ TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionInAnyUnits) {
   for (double E : {2e-60, 2e5, 2e60}) {
     const auto s = makeSubdomain(mesh, parts[0], E, 0.3);
     const Dense reference = denseSchur(s.K, boundary), X = 1e-70 * Dense::Random(Eigen::Index(boundary.size()), 3);
-    const LocalSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
-    const LocalSchur lumped = LocalSchur::lumped(s.K, boundary, FactorPrecision::Single);
+    const SurfaceSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
+    const SurfaceSchur lumped = SurfaceSchur::lumped(s.K, boundary, FactorPrecision::Single);
     Dense Y(X.rows(), X.cols());
     for (Eigen::Index columns : {1, 3}) {
       schur.apply(X.leftCols(columns), Y.leftCols(columns));
@@ -115,12 +115,12 @@ TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionInAnyUnits) {
 }
 
 // block() and dense() see the same entries as apply().
-TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionBlocksAreThoseOfTheProduct) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, SinglePrecisionBlocksAreThoseOfTheProduct) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
   const auto boundary = interfaceUnknowns(mesh, parts, 1, {0, 1, 2});
   const auto s = makeSubdomain(mesh, parts[1], 2e5, 0.3);
-  const LocalSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
+  const SurfaceSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
   const Dense S = schur.dense(), identity = Dense::Identity(S.rows(), S.rows());
   Dense Y(S.rows(), S.rows());
   schur.apply(identity, Y);
@@ -129,24 +129,24 @@ TEUCHOS_UNIT_TEST(LocalSchur, SinglePrecisionBlocksAreThoseOfTheProduct) {
   TEST_COMPARE(difference(S, denseSchur(s.K, boundary)), <=, 1e-5);
 }
 
-TEUCHOS_UNIT_TEST(LocalSchur, PartsOfNodesStayInDoublePrecision) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, PartsOfNodesStayInDoublePrecision) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
   const auto parts = cutByMetis(mesh, 4);
   auto boundary = interfaceUnknowns(mesh, parts, 0, {0, 1, 2});
   boundary.erase(boundary.begin() + 4);
   const auto s = makeSubdomain(mesh, parts[0], 2e5, 0.3);
-  const LocalSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
+  const SurfaceSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, FactorPrecision::Single);
   TEST_COMPARE(difference(schur.dense(), denseSchur(s.K, boundary)), <=, 1e-5);
-  const LocalSchur lumped = LocalSchur::lumped(s.K, boundary, FactorPrecision::Single);
-  TEST_COMPARE(difference(lumped.dense(), LocalSchur::lumped(s.K, boundary, FactorPrecision::Double).dense()), ==, 0.0);
+  const SurfaceSchur lumped = SurfaceSchur::lumped(s.K, boundary, FactorPrecision::Single);
+  TEST_COMPARE(difference(lumped.dense(), SurfaceSchur::lumped(s.K, boundary, FactorPrecision::Double).dense()), ==, 0.0);
 }
 
-TEUCHOS_UNIT_TEST(LocalSchur, OneElementHasNoInterior) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, OneElementHasNoInterior) {
   const auto mesh = boxMesh({1, 1, 1}, {1, 2, 3}, 0.1);
   const auto s = makeSubdomain(mesh, {0}, 7.0, 0.3);
   std::vector<int> all(24);
   std::iota(all.rbegin(), all.rend(), 0);
-  const LocalSchur schur(s.K, s.kernel, all);
+  const SurfaceSchur schur(s.K, s.kernel, all);
   const Dense reversed = 0.5 * (Dense(s.K) + Dense(s.K).transpose()).reverse();
   TEST_COMPARE(difference(schur.dense(), reversed), <=, 1e-15);
   const Dense X = Dense::Random(24, 3);
@@ -156,7 +156,7 @@ TEUCHOS_UNIT_TEST(LocalSchur, OneElementHasNoInterior) {
 }
 
 /// Boundaries that hold nothing, a point, a hinge, normal components only: K_ii has 6, 3, 1 and 3 free motions.
-TEUCHOS_UNIT_TEST(LocalSchur, BoundaryNeedNotHoldTheInterior) {
+TEUCHOS_UNIT_TEST(SurfaceSchur, BoundaryNeedNotHoldTheInterior) {
   const auto mesh = boxMesh({3, 3, 3}, {1, 1, 1}, 0.0);
   const auto s = makeSubdomain(mesh, allElements(mesh), 1e5, 0.3);
   std::vector<int> hinge, normals;
@@ -164,7 +164,7 @@ TEUCHOS_UNIT_TEST(LocalSchur, BoundaryNeedNotHoldTheInterior) {
   for (int i = 0; i < 16; ++i) normals.push_back(3 * i + 2);
   const std::vector<std::pair<std::vector<int>, int>> cases{{{}, 6}, {{0, 1, 2}, 3}, {hinge, 1}, {normals, 3}};
   for (const auto& [boundary, freeMotions] : cases) {
-    const LocalSchur schur(s.K, s.kernel, boundary);
+    const SurfaceSchur schur(s.K, s.kernel, boundary);
     TEST_EQUALITY(schur.interiorKernelSize(), freeMotions);
     TEST_COMPARE((schur.dense() - denseSchur(s.K, boundary)).norm(), <=, 1e-12 * s.K.norm());
   }

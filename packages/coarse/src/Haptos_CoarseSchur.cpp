@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Haptos_CoarseElimination.hpp"
+#include "Haptos_CoarseSchur.hpp"
 
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_BLAS.hpp>
@@ -63,7 +63,7 @@ struct CompressedColumns {
 };
 
 // The upper triangle of the graph of subdomains, as their numbers go; -1: left out.
-CompressedColumns graphOf(const CoarseElimination::Parts& A, const std::vector<int>& number) {
+CompressedColumns graphOf(const CoarseSchur::Parts& A, const std::vector<int>& number) {
   std::vector<std::uint64_t> keys;  // a row of the lower triangle is a column of the upper one
   for (const CoarseBlocks* part : A)
     for (const auto& [key, block] : part->blocks()) keys.push_back(key);
@@ -81,7 +81,7 @@ CompressedColumns graphOf(const CoarseElimination::Parts& A, const std::vector<i
 }
 
 // By constrained minimum degree.
-std::vector<int> orderByDegree(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+std::vector<int> orderByDegree(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   std::vector<int> all(std::size_t(subdomains), 0), isLast(all), order(all);
   std::iota(all.begin(), all.end(), 0);
   for (int s : last) isLast[std::size_t(s)] = 1;
@@ -93,7 +93,7 @@ std::vector<int> orderByDegree(const CoarseElimination::Parts& A, int subdomains
 }
 
 // The others by nested dissection; empty if that fails.
-std::vector<int> orderByDissection(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+std::vector<int> orderByDissection(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   std::vector<int> number(std::size_t(subdomains), 0), others;
   for (int s : last) number[std::size_t(s)] = -1;
   for (int s = 0; s < subdomains; ++s) {
@@ -111,7 +111,7 @@ std::vector<int> orderByDissection(const CoarseElimination::Parts& A, int subdom
   return order;
 }
 
-std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
+std::vector<int> orderSubdomains(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   constexpr std::size_t kMany = 1000;  // up to here both orders fill in alike
   std::vector<int> order;
   if (std::size_t(subdomains) - last.size() > kMany) order = orderByDissection(A, subdomains, last, common);
@@ -121,12 +121,12 @@ std::vector<int> orderSubdomains(const CoarseElimination::Parts& A, int subdomai
 // The lower triangle of A(order, order), as CHOLMOD takes it without moving anything.
 class OrderedMatrix {
  public:
-  OrderedMatrix(const CoarseElimination::Parts& A, const std::vector<int>& order);
+  OrderedMatrix(const CoarseSchur::Parts& A, const std::vector<int>& order);
   void makeIndefinite(int column);
   cholmod_sparse view() { return columns_.view(-1); }
 
  private:
-  void makePattern(const CoarseElimination::Parts& A);
+  void makePattern(const CoarseSchur::Parts& A);
   void add(std::uint64_t key, const CoarseBlocks::Block& block);
 
   std::vector<int> position_;                  // of a subdomain
@@ -134,7 +134,7 @@ class OrderedMatrix {
   CompressedColumns columns_;
 };
 
-OrderedMatrix::OrderedMatrix(const CoarseElimination::Parts& A, const std::vector<int>& order)
+OrderedMatrix::OrderedMatrix(const CoarseSchur::Parts& A, const std::vector<int>& order)
     : position_(order.size()), rowsOfColumn_(order.size()) {
   for (std::size_t i = 0; i < order.size(); ++i) position_[std::size_t(order[i])] = int(i);
   makePattern(A);
@@ -142,7 +142,7 @@ OrderedMatrix::OrderedMatrix(const CoarseElimination::Parts& A, const std::vecto
     for (const auto& [key, block] : part->blocks()) add(key, block);
 }
 
-void OrderedMatrix::makePattern(const CoarseElimination::Parts& A) {
+void OrderedMatrix::makePattern(const CoarseSchur::Parts& A) {
   for (const CoarseBlocks* part : A)
     for (const auto& [key, block] : part->blocks()) {
       const auto [low, high] = std::minmax(position_[std::size_t(CoarseBlocks::row(key))], position_[std::size_t(CoarseBlocks::column(key))]);
@@ -214,14 +214,14 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
 
 }  // namespace
 
-bool CoarseElimination::pays(Eigen::Index unknowns, Eigen::Index last) {
+bool CoarseSchur::pays(Eigen::Index unknowns, Eigen::Index last) {
   constexpr Eigen::Index kAlways = 200, kFew = 1500;  // dense work on few costs less than looking at a sparse pattern
   constexpr double kFactor = 27;                      // a sparse factor of the whole has 27 l^(4/3) entries
   const double c = double(last), entries = kFactor * std::pow(double(unknowns), 4.0 / 3);
   return last > 0 && (last <= kAlways || (3 * last <= unknowns && (last <= kFew || c * c <= entries)));
 }
 
-void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& last) {
+void CoarseSchur::eliminateOthers(const Parts& A, const std::vector<int>& last) {
   CholmodCommon common;
   const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, last, common);
   Eigen::MatrixXd schur = startSchur(A, order);
@@ -239,14 +239,14 @@ void CoarseElimination::eliminateOthers(const Parts& A, const std::vector<int>& 
   schur_ = Lapack::packLower(schur);
 }
 #else
-bool CoarseElimination::pays(Eigen::Index, Eigen::Index) { return false; }
+bool CoarseSchur::pays(Eigen::Index, Eigen::Index) { return false; }
 
-void CoarseElimination::eliminateOthers(const Parts&, const std::vector<int>&) {
+void CoarseSchur::eliminateOthers(const Parts&, const std::vector<int>&) {
   throw std::logic_error("coarse matrices are condensed by CHOLMOD only");
 }
 #endif
 
-CoarseElimination::CoarseElimination(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last)
+CoarseSchur::CoarseSchur(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last)
     : size_(unknowns), numOthers_(size_ - kModes * Eigen::Index(last.size())), place_(std::size_t(size_ / kModes), -1) {
   TEUCHOS_ASSERT(!last.empty() && numOthers_ >= 0);
   if (numOthers_ > 0) eliminateOthers(A, last);
@@ -254,7 +254,7 @@ CoarseElimination::CoarseElimination(Eigen::Index unknowns, const Parts& A, cons
 }
 
 // A_cc, c: the last unknowns
-Eigen::MatrixXd CoarseElimination::startSchur(const Parts& A, const std::vector<int>& order) {
+Eigen::MatrixXd CoarseSchur::startSchur(const Parts& A, const std::vector<int>& order) {
   perm_ = expanded(order);
   for (Eigen::Index i = numOthers_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - numOthers_);
   Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(numLast(), numLast());
@@ -263,7 +263,7 @@ Eigen::MatrixXd CoarseElimination::startSchur(const Parts& A, const std::vector<
 }
 
 // A_cc - A_co A_oo^-1 A_oc = A_cc - L_co L_co^T, o: the others
-void CoarseElimination::subtractFromSchur(const SupernodeView& L, Eigen::MatrixXd& schur) const {
+void CoarseSchur::subtractFromSchur(const SupernodeView& L, Eigen::MatrixXd& schur) const {
   for (int k = 0; k < L.supernodes; ++k) {
     const int *begin = L.s + L.pi[k], *end = L.s + L.pi[k + 1], *last = std::lower_bound(begin, end, int(numOthers_));
     const int m = int(end - last);
@@ -276,7 +276,7 @@ void CoarseElimination::subtractFromSchur(const SupernodeView& L, Eigen::MatrixX
   }
 }
 
-void CoarseElimination::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const {
+void CoarseSchur::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const {
   for (const auto& [key, block] : blocks.blocks()) {
     const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];
     if (row < 0 || column < 0) continue;
@@ -288,7 +288,7 @@ void CoarseElimination::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& low
   }
 }
 
-Eigen::MatrixXd CoarseElimination::eliminate(const Eigen::MatrixXd& B) const {
+Eigen::MatrixXd CoarseSchur::eliminate(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, B.cols());
   for (Eigen::Index j = 0; j < B.cols(); ++j)
     for (Eigen::Index i = 0; i < size_; ++i) Y(i, j) = B(perm_[std::size_t(i)], j);
@@ -296,7 +296,7 @@ Eigen::MatrixXd CoarseElimination::eliminate(const Eigen::MatrixXd& B) const {
   return Y.topRows(size_);
 }
 
-Eigen::MatrixXd CoarseElimination::substituteBack(const Eigen::MatrixXd& Y) const {
+Eigen::MatrixXd CoarseSchur::substituteBack(const Eigen::MatrixXd& Y) const {
   Eigen::MatrixXd X(size_, Y.cols()), ordered = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, Y.cols());
   ordered.topRows(size_) = Y;
   if (numOthers_ > 0) others_.backward(ordered);

@@ -1,16 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Haptos_CondensedFactor.hpp"
+#include "Haptos_CoarseSchurFactor.hpp"
 
 #include <Teuchos_Assert.hpp>
 #include <stdexcept>
 
 namespace Haptos {
 
-void CondensedFactor::renew(const CoarseBlocks& E) {
+void CoarseSchurFactor::renew(const CoarseBlocks& E) {
   for (const auto& [key, block] : E.blocks())
     TEUCHOS_ASSERT(A_->isLast(CoarseBlocks::row(key)) && A_->isLast(CoarseBlocks::column(key)));
   Eigen::MatrixXd sum(schurSize(), schurSize());
-  Lapack::unpackLower(A_->schur(), sum);
+  Lapack::unpackLower(A_->packedSchur(), sum);
   A_->addLast(E, sum);
   isSingle_ = precision_ == FactorPrecision::Single && single_.factor(sum);
   if (isSingle_) return;
@@ -20,12 +20,12 @@ void CondensedFactor::renew(const CoarseBlocks& E) {
   double_ = DenseCholesky(std::move(sum), DenseSymmetric::Storage::Packed);
 }
 
-void CondensedFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
+void CoarseSchurFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
   if (isSingle_) single_.solve(last);
   else double_.solve(last);
 }
 
-Eigen::MatrixXd CondensedFactor::solve(const Eigen::MatrixXd& B) const {
+Eigen::MatrixXd CoarseSchurFactor::solve(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd Y = A_->eliminate(B);
   solveSchur(Y.bottomRows(schurSize()));
   return A_->substituteBack(Y);

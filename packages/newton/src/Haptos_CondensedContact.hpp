@@ -4,6 +4,7 @@
 
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
+#include "Haptos_SubspaceNewtonOptions.hpp"
 
 namespace Haptos {
 
@@ -16,24 +17,23 @@ namespace Haptos {
 ///
 /// or its linearisation (A M_cc - B) sigma = -phi - A m with A = (I - P') / r, B = -P'.  Open pairs, slip directions
 /// and all couplings are in it; nothing is left to be balanced.  M_cc and its factors are on all ranks, which
-/// compute alike: for contact surfaces of at most `kLargest` pairs.
-class CondensedNewton {
+/// compute alike: for small contact surfaces (`SubspaceNewtonOptions::Condensed::largest`).
+class CondensedContact {
  public:
-  static constexpr long kLargest = 150;
-
   /// \brief 3 x pairs applications of `contactM`, M between contact rows and on those alone.  Collective.
-  CondensedNewton(RCP<const Operator> M, const Operator& contactM, const DualVectors& vectors);
+  CondensedContact(RCP<const Operator> M, const Operator& contactM, const DualVectors& vectors,
+                   SubspaceNewtonOptions::Condensed options = {});
 
   /// \brief Solves the linearised law.  \param s its gluing rows are read, \param phi [3 pairs].
   /// Collective: two applications of M, two reductions.
-  Eigen::VectorXd linearDirection(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const;
+  Eigen::VectorXd solveLinearized(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const;
 
   struct Step {
     Eigen::VectorXd z;      ///< [rows] multipliers
     Eigen::VectorXd sigma;  ///< [3 pairs] change of the contact jumps, sign reversed
   };
   /// \brief Solves the law, as far as a damped Newton method gets.  \param r [pairs].  Collective, as above.
-  Step direction(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r, const Eigen::VectorXd& lambda,
+  Step solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r, const Eigen::VectorXd& lambda,
                  const Eigen::VectorXd& s) const;
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one.
@@ -47,6 +47,7 @@ class CondensedNewton {
 
   RCP<const Operator> M_;
   const DualVectors& vectors_;
+  SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   Eigen::MatrixXd Mcc_;                // [all contact values]^2
 };

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include "Haptos_LocalCondensation.hpp"
+#include "Haptos_DenseSurfaceMatrices.hpp"
 
 #include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
@@ -49,14 +49,14 @@ Storage storageFor(std::size_t members) { return members > 2 ? Storage::Full : S
 
 }  // namespace
 
-LocalCondensation::LocalCondensation(const SparseMatrix& K, const MatrixXd& kernel, const std::vector<int>& boundary,
+DenseSurfaceMatrices::DenseSurfaceMatrices(const SparseMatrix& K, const MatrixXd& kernel, const std::vector<int>& boundary,
                                      std::size_t members, Scope scope)
     : kernel_(kernel), boundary_(boundary), interior_(complement(K.rows(), boundary)), storage_(storageFor(members)) {
   TEUCHOS_ASSERT(K.rows() == K.cols() && K.rows() == kernel.rows());
   Kib_ = blockOf(K, interior_, boundary_);
   MatrixXd Lii = blockOf(K, interior_, interior_);
   TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(Lii), std::runtime_error,
-                             "LocalCondensation: the interior of a subdomain of " << K.rows() << " unknowns is not held by its boundary");
+                             "DenseSurfaceMatrices: the interior of a subdomain of " << K.rows() << " unknowns is not held by its boundary");
   const MatrixXd S = schurComplement(K, Lii);
   schur_ = DenseSymmetric(S, storage_, Precision::Single);
   if (scope == Scope::SchurOnly) return;
@@ -66,14 +66,14 @@ LocalCondensation::LocalCondensation(const SparseMatrix& K, const MatrixXd& kern
   requireAccuracy(K);
 }
 
-MatrixXd LocalCondensation::schurComplement(const SparseMatrix& K, MatrixXd& Lii) const {
+MatrixXd DenseSurfaceMatrices::schurComplement(const SparseMatrix& K, MatrixXd& Lii) const {
   MatrixXd S = blockOf(K, boundary_, boundary_), Kib = Kib_;
   Lapack::solveLower(Lii, Kib);
   Lapack::subtractGram(Kib, S);
   return S;
 }
 
-void LocalCondensation::formInverse(const MatrixXd& S) {
+void DenseSurfaceMatrices::formInverse(const MatrixXd& S) {
   const MatrixXd Rb = rowsOf(kernel_, boundary_), Ri = rowsOf(kernel_, interior_);
   const Index k = Rb.cols();
   MatrixXd A = S;
@@ -84,7 +84,7 @@ void LocalCondensation::formInverse(const MatrixXd& S) {
     Lapack::addSymmetricProduct(0.5 * rho, Q, Q, A);
   }
   TEUCHOS_TEST_FOR_EXCEPTION(!Lapack::choleskyInPlace(A), std::runtime_error,
-                             "LocalCondensation: a subdomain of " << kernel_.rows() << " unknowns has a motion without energy outside its kernel");
+                             "DenseSurfaceMatrices: a subdomain of " << kernel_.rows() << " unknowns has a motion without energy outside its kernel");
   Lapack::invertFromCholesky(A);
   if (k > 0) {
     MatrixXd t = Ri;
@@ -99,7 +99,7 @@ void LocalCondensation::formInverse(const MatrixXd& S) {
   inverse_ = DenseSymmetric(A, storage_, Precision::Double);
 }
 
-void LocalCondensation::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<MatrixXd> X) const {
+void DenseSurfaceMatrices::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<MatrixXd> X) const {
   TEUCHOS_ASSERT(B.rows() == kernel_.rows() && X.rows() == B.rows() && X.cols() == B.cols());
   MatrixXd balanced = B;
   balanced -= kernel_ * MatrixXd(kernel_.transpose() * B);
@@ -116,26 +116,26 @@ void LocalCondensation::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<Ma
   X -= kernel_ * rigid;
 }
 
-void LocalCondensation::requireKernel(const SparseMatrix& K) const {
+void DenseSurfaceMatrices::requireKernel(const SparseMatrix& K) const {
   const double error = (K * kernel_).norm() / K.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(error <= 1e-8), std::runtime_error,
-                             "LocalCondensation: the kernel given with a subdomain of " << K.rows()
+                             "DenseSurfaceMatrices: the kernel given with a subdomain of " << K.rows()
                                  << " unknowns is not in the kernel of its stiffness, |K R| / |K| = " << error);
 }
 
 // K K^+ K = K on one vector: a motion without energy that R lacks would show.
-void LocalCondensation::requireAccuracy(const SparseMatrix& K) const {
+void DenseSurfaceMatrices::requireAccuracy(const SparseMatrix& K) const {
   MatrixXd probe(K.rows(), 1), answer(K.rows(), 1);
   for (Index i = 0; i < probe.size(); ++i) probe(i, 0) = std::sin(1.0 + 7.0 * double(i) + 0.3 * double(i % 11));
   solve(probe, answer);
   probe -= kernel_ * MatrixXd(kernel_.transpose() * probe);
   const double residual = (probe - K * answer).norm() / probe.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(residual <= 1e-4), std::runtime_error,
-                             "LocalCondensation: the inverse of a subdomain of " << K.rows() << " unknowns is useless (relative residual "
+                             "DenseSurfaceMatrices: the inverse of a subdomain of " << K.rows() << " unknowns is useless (relative residual "
                                  << residual << ")");
 }
 
-LocalCondensation::Cost LocalCondensation::cost(double n, double nb, std::size_t members) {
+DenseSurfaceMatrices::Cost DenseSurfaceMatrices::cost(double n, double nb, std::size_t members) {
   const double ni = n - nb;
   const Storage storage = storageFor(members);
   return {ni * ni * ni / 3 + ni * ni * nb + ni * nb * nb + nb * nb * nb,

@@ -19,7 +19,7 @@ namespace Haptos {
 ///
 /// No fixing nodes are needed and an application of F or of the Dirichlet preconditioner is one product with a dense
 /// matrix: cheap where subdomains are small or many share the matrices.  Nothing communicates.
-class LocalCondensation {
+class DenseSurfaceMatrices {
  public:
   enum class Scope { SchurOnly, Both };
 
@@ -28,7 +28,7 @@ class LocalCondensation {
   /// \param boundary local unknowns, ascending
   /// \param members  how many subdomains share it: decides how the matrices are stored
   /// \throws std::runtime_error if K R is not zero, K_ii is singular or K has a zero-energy motion outside R
-  LocalCondensation(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
+  DenseSurfaceMatrices(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel, const std::vector<int>& boundary,
                     std::size_t members, Scope scope = Scope::Both);
 
   const std::vector<int>& boundary() const { return boundary_; }

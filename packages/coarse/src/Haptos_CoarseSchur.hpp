@@ -11,7 +11,7 @@ namespace Haptos {
 /// \brief A coarse matrix A with all unknowns eliminated but those of a few subdomains, which are ordered last.
 ///
 /// What is left of A in those, the Schur complement S, is dense.  CHOLMOD eliminates, sparse.  No function communicates.
-class CoarseElimination {
+class CoarseSchur {
  public:
   /// \brief Whether dense factors of what is left are cheaper than sparse ones of all, by size; false without CHOLMOD.
   ///
@@ -22,7 +22,7 @@ class CoarseElimination {
 
   /// \param unknowns l; \param A the sum of these, semidefinite suffices; \param last subdomains, at least one, each once.
   /// \throws std::runtime_error if A is not positive definite in the other unknowns.
-  CoarseElimination(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last);
+  CoarseSchur(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last);
 
   /// \brief B [l x m] in the order of elimination with the others eliminated; the last rows are the right-hand side for S.
   Eigen::MatrixXd eliminate(const Eigen::MatrixXd& B) const;
@@ -30,7 +30,7 @@ class CoarseElimination {
   Eigen::MatrixXd substituteBack(const Eigen::MatrixXd& Y) const;
 
   Eigen::Index numLast() const { return size_ - numOthers_; }   ///< unknowns that are not eliminated
-  const std::vector<double>& schur() const { return schur_; }  ///< S, lower triangle, packed (Lapack::packLower)
+  const std::vector<double>& packedSchur() const { return schur_; }  ///< S, lower triangle, packed (Lapack::packLower)
   /// \brief Adds blocks of the last subdomains to the lower triangle of a matrix like S; others are left out.
   void addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const;
   bool isLast(int subdomain) const { return place_[std::size_t(subdomain)] >= 0; }

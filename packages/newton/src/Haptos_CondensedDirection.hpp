@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_BalanceProjections.hpp"
+#include "Haptos_CondensedContact.hpp"
+#include "Haptos_NewtonDirection.hpp"
+
+namespace Haptos {
+
+/// \brief Directions from the problem condensed to the contact rows: z = M_Z (s_E, sigma), sigma by the law or its linearisation.
+///
+/// G M_Z = 0 up to the holds and round-off of M_Z; the gluing rows take what is left.
+class CondensedDirection final : public NewtonDirection {
+ public:
+  /// References are kept.  \param without [pairs] stiffness of pairs whose compliance is not felt.  Collective.
+  CondensedDirection(const ContactOperators::Deflated& deflated, const ContactOperators& dual, const GluingBalance& balance,
+                     const Eigen::VectorXd& without, const SubspaceNewtonOptions::Condensed& options);
+
+  Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target target) override;
+
+  /// \brief 1 / (normal compliance of the pair, the others open).
+  const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }
+
+ private:
+  const GluingBalance& balance_;
+  CondensedContact contact_;
+  Eigen::VectorXd pairStiffness_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,37 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <memory>
+
+#include "Haptos_BalancedDirection.hpp"
+#include "Haptos_CondensedDirection.hpp"
+
+namespace Haptos {
+
+/// \brief The strategy of the day: balanced directions, or condensed ones once they are asked for and can be had.
+class DirectionChoice {
+ public:
+  /// References are kept.  \param diagonalOfM [rows].  Collective.
+  DirectionChoice(const ContactOperators& dual, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
+                  const GluingBalance& balance, const SubspaceNewtonOptions& options);
+
+  NewtonDirection& current() { return condensed_ ? static_cast<NewtonDirection&>(*condensed_) : balanced_; }
+  const Eigen::VectorXd& pairStiffness() const { return condensed_ ? condensed_->pairStiffness() : balanced_.pairStiffness(); }
+
+  /// \brief Whether condensed directions were not asked for and could be had: there is a better M and contact is small enough.
+  bool mayCondense() const { return mayCondense_; }
+  bool isCondensed() const { return condensed_ != nullptr; }
+
+  /// \brief From now on directions are condensed, if they can be; then `pairStiffness` is theirs.  \return whether they are.
+  /// Collective.
+  bool condense();
+
+ private:
+  const ContactOperators& dual_;
+  const GluingBalance& balance_;
+  SubspaceNewtonOptions::Condensed options_;
+  BalancedDirection balanced_;
+  std::unique_ptr<CondensedDirection> condensed_;
+  bool mayCondense_ = false;
+};
+
+}  // namespace Haptos

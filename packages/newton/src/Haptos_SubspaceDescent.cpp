@@ -1,0 +1,86 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubspaceDescent.hpp"
+
+#include <Eigen/Dense>
+#include <cmath>
+
+namespace Haptos {
+
+SubspaceDescent::SubspaceDescent(const Setting& setting, const NewtonState& state, LawLinearization law, double norm)
+    : setting_(setting),
+      lambda0_(setting.vectors.contact(state.lambda)),
+      s0_(setting.vectors.contact(state.s)),
+      gluing0_(setting.subspace.projectGluing(setting.vectors.gluing(state.s))),
+      y_(Eigen::VectorXd::Zero(setting.subspace.size())),
+      law_(std::move(law)),
+      norm_(norm) {}
+
+// Q^T (s_E + Q R y): gluing rows are known by their parts in Q alone
+Eigen::VectorXd SubspaceDescent::gluingAt(const Eigen::VectorXd& y) const {
+  return gluing0_.inside + setting_.subspace.R().triangularView<Eigen::Upper>() * y;
+}
+
+// || (s_E, phi) ||^2 = || s_E outside of Q ||^2 + || Q^T s_E + R y ||^2 + || phi(lambda_c + V_c y, s_c + S_c y) ||^2
+SubspaceDescent::Candidate SubspaceDescent::at(const Eigen::VectorXd& y) const {
+  const RecycledSubspace& pairs = setting_.subspace;
+  const double gluing2 = gluing0_.outside2() + gluingAt(y).squaredNorm();
+  Candidate candidate{y, linearizeLaw(setting_.pairs, lambda0_ + pairs.Vc() * y, s0_ + pairs.Sc() * y, setting_.r), 0};
+  candidate.norm = std::sqrt(std::max(0.0, gluing2) + setting_.vectors.sum(candidate.law.phi.squaredNorm()));
+  return candidate;
+}
+
+void SubspaceDescent::moveTo(Candidate&& candidate) {
+  y_ = std::move(candidate.y);
+  norm_ = candidate.norm;
+  law_ = std::move(candidate.law);
+}
+
+// What a full step would leave of the residual if the law were linear.
+double SubspaceDescent::promise(const SmallSystem& system, const Eigen::VectorXd& dy) const {
+  return std::hypot(std::sqrt(gluing0_.outside2()), system.residual(dy)) / norm_;
+}
+
+// Along dy as far as it descends, else damped steps: they turn towards the gradient, where the corner of a cone stops dy.
+SubspaceDescent::Search SubspaceDescent::search(const SmallSystem& system, const Eigen::VectorXd& dy, bool isFrozen) const {
+  const auto& o = setting_.options;
+  double fullNorm = 0;
+  for (double t = 1; t > o.shortestStep; t /= 2) {
+    Candidate candidate = at(y_ + t * dy);
+    if (t == 1) fullNorm = candidate.norm;
+    if (candidate.norm < (1 - o.armijo * t) * norm_) return {std::move(candidate), fullNorm};
+  }
+  if (!isFrozen)
+    for (double damping : o.dampings) {
+      Candidate candidate = at(y_ + system.solve(damping));
+      if (candidate.norm < (1 - o.armijo) * norm_) return {std::move(candidate), fullNorm};
+    }
+  return {std::nullopt, fullNorm};
+}
+
+void SubspaceDescent::tryStep(const Eigen::VectorXd& y) {
+  Candidate candidate = at(y);
+  if (candidate.norm < norm_) moveTo(std::move(candidate));
+}
+
+void SubspaceDescent::run(bool isFrozen, double bestNorm) {
+  const auto& o = setting_.options;
+  for (int step = 0; step < o.gaussNewtonSteps; ++step) {
+    const SmallSystem system(setting_.subspace, law_, gluingAt(y_), setting_.vectors.comm());
+    const Eigen::VectorXd dy = system.solve();
+    // The subspace does not carry this linearisation: new directions first.
+    if (step > 0 && promise(system, dy) > (isFrozen ? o.forcing : o.worthTrying)) return;
+    Search found = search(system, dy, isFrozen);
+    if (found.better) {
+      const double reduction = found.better->norm / norm_;
+      moveTo(std::move(*found.better));
+      if (reduction > o.hardlyLess && !isFrozen) return;
+      continue;
+    }
+    // A full step without descent lets the active set move; bounded by the best residual so far.
+    if (step > 0 || !(isFrozen || found.fullNorm < o.ascent * bestNorm)) return;
+    moveTo(at(y_ + dy));
+    if (!isFrozen) return;
+  }
+}
+
+}  // namespace Haptos

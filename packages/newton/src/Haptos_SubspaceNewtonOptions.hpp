@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief All numbers that steer the subspace Newton method, each with what speaks for it.
+///
+/// F counts multiplications by F, r is the penalty of the law phi = (lambda - P(lambda + r s)) / r.  Residuals are || (s_E, phi) ||.
+/// Counts in the comments are of the two beams at kkt 1e-6.  Thresholds that only tell zero from round-off stand where they are used.
+struct SubspaceNewtonOptions {
+  double tolerance = 1e-6;           ///< what the status test's residual is compared with
+  int maximumMultiplications = 5000;
+  /// Memory, not convergence: 30 pairs were enough on the two beams, 15 were not.
+  int maximumPairs = 300;
+  /// r relative to the nodal stiffness where friction alone holds a body: at 0.98 of the sliding limit 1 runs away (1332 F),
+  /// 0.3 takes 16.
+  double floatingPenalty = 0.3;
+
+  /// \brief Levels of friction before the true coefficients.  All pairs are kept between levels, so they cost little.
+  struct Continuation {
+    /// Axis ratios up to this need no levels: 10 itself took 29 F without, circles 20.
+    double firstAxisRatio = 10;
+    /// Above it the ratio rises by this from level to level.
+    double axisRatioStep = 4;
+    /// The last level before the true one, times the coefficients: without it a body near the limit of friction took 171 instead
+    /// of 27 F.
+    double firstFactor = 1.5;
+    /// Residual that ends a level, of the start's jumps; at 0.1 the true level has too few pairs and a plateau (48 against 32 F at
+    /// s = 256).
+    double levelTolerance = 0.03;
+    int levelPatience = 25;  ///< F without halving the residual that end a level: levels may be slow, they need not end well
+    int patience = 12;       ///< the same at the true coefficients; where all is well one or two F halve it
+    int maximumRestarts = 2; ///< one for each row of `detourFactors`; then another method is better
+    /// Twice the patience where an answer is improved: its last digits are slower, and a restart would throw away the answer.
+    int patienceFactorAtAnswer = 2;
+
+    /// A stall drops all pairs (those of a runaway only add spurious minima) and comes back through more levels: by axis ratios,
+    /// or by these factors of the coefficients, finer the second time.
+    double detourAxisRatio = 2, detourAxisRatioStep = 2.5;
+    std::vector<std::vector<double>> detourFactors = {{1.5, 1.2}, {2.0, 1.6, 1.3, 1.15, 1.07}};
+    double detourTolerance = 0.01;  ///< of such a level: closer, as the first way was too loose
+    int detourPatience = 20;
+    /// Residual that directions for one linearisation aim at in the true level, of the tolerance: kkt is a maximum norm with scales
+    /// of its own.
+    double aim = 0.1;
+    /// Jumps of this size, of the start's: a floating body went off, and nothing can be balanced beside it.
+    double runaway = 1e6;
+  };
+
+  /// \brief One step of the iteration.
+  struct Steps {
+    int gaussNewtonSteps = 8;      ///< in the subspace, between two directions; once under way the first one does all
+    /// Residual that a further one promises; beyond, all eleven trials would fail (176 of 190 in one run, decisions/010).
+    double worthTrying = 0.9999;
+    double hardlyLess = 0.98;      ///< a step that leaves so much is the last one: a direction is worth more
+    double armijo = 1e-4;          ///< descent asked of a step, relative to its length: any real one
+    double shortestStep = 1.0 / 40;  ///< six trials of the line search; then damped steps
+    std::array<double, 4> dampings{1e-3, 1e-2, 1e-1, 1.0};  ///< of the small system with columns of length 1
+    /// A first full step without descent is taken up to this much above the best residual: it lets the active set move.
+    double ascent = 3;
+
+    int window = 3;                ///< steps over which the residual must fall by windowFactor; else the way is poor
+    double windowFactor = 0.6;
+    /// r relative to the nodal stiffness, tried in turn on a poor way; the pairs do not depend on it.  1 alone took 71 F in one
+    /// cell of twenty, 0.3 alone more than 40 in four.
+    std::array<double, 3> penalties{1.0, 0.3, 0.1};
+
+    /// Then inexact Newton steps: directions for one linearisation until its residual is `forcing`, relative.  Without them axis
+    /// ratios of 1000 fail.
+    double forcing = 0.2;
+    double tightestForcing = 0.3;  ///< of what the level asks for: no linearisation is solved beyond it
+    int maximumDirections = 40;    ///< for one linearisation; an axis ratio of 1000 needs about twenty before anything falls
+    /// They get three times the patience, for that reason (52 against 231 F).
+    int linearPatience = 3;
+    double goodStep = 0.5;         ///< a step that leaves less is good
+    int goodSteps = 2;             ///< so many, and directions are made for the law of every step again
+    double idle = 0.9;             ///< a linearisation that leaves more adds a direction the next time: no endless loop without F
+    /// A poor way that ends after so many steps at its rate is not left for the condensed problem, which needs about as many.
+    double fewSteps = 15;
+  };
+
+  /// \brief Directions that the active coarse projection balances (`BalancedDirection`).
+  struct Balanced {
+    /// Root mean square change of P' (eigenvalues in [0, 1]) from which the active coarse matrix is made anew: 12 set-ups instead of
+    /// 20, same counts; at 0.2 METIS parts take up to two F more.
+    double coarseChange = 0.1;
+    int sweeps = 2;  ///< that balance by the law; each leaves about a tenth, the coefficient of friction times the coupling
+    /// Of q in (M^-1 + C)^-1, relative.  1e-3 costs up to three F at contrasts of 1e6, 1e-6 brings nothing.
+    double slipTolerance = 1e-4;
+    /// A stiff body that floats on a soft one moves where q is small beside its largest entries: 1e-3 ran away, 1e-5 does not.
+    double slipToleranceFloating = 1e-6;
+    int slipSteps = 40;  ///< of conjugate gradients, one reduction each; 6 to 16 are taken mostly
+    /// What contact forces push floating bodies with is spread by H^T r P' H, made regular by these parts of its trace and of
+    /// H^T r H.
+    double floatingShift = 1e-8, floatingHold = 1e-10;
+  };
+
+  /// \brief The contact problem condensed to the contact rows (`CondensedContact`).
+  struct Condensed {
+    /// Pairs up to which it is made: dense solves of 3 x pairs on every rank.  325 pairs took 29 instead of 45 F, but 3 s
+    /// instead of 0.4.
+    long largest = 150;
+    int newtonSteps = 60;          ///< a bound: they need no F
+    double reduction = 1e-9;       ///< of phi: far below what M_Z^-1 is worth as F
+    double leastStep = 1e-3;       ///< of the line search; then the step of the least residual
+    double armijo = 1e-4;
+    double solved = 1e-6;          ///< of phi; where more is left Newton starts once more, from tied bodies
+  };
+
+  /// \brief Rigid bodies on a frictional foundation, where floating bodies start (`solveFoundation`); no F.
+  struct Foundation {
+    int steps = 100;
+    double tolerance = 1e-12;      ///< of the load: balance is exact from the start on
+    /// Of the mean spring: Newton's matrix has no inverse where all springs of a motion slip or are open.
+    std::array<double, 7> dampings{0.0, 1e-6, 1e-4, 1e-2, 1e-1, 1.0, 10.0};
+    double shortestStep = 1e-2, armijo = 1e-3;
+  };
+
+  Continuation continuation;
+  Steps steps;
+  Balanced balanced;
+  Condensed condensed;
+  Foundation foundation;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubspaceNewtonRun.hpp"
+
+#include <Eigen/Dense>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+
+#include "Haptos_FoundationStart.hpp"
+
+namespace Haptos {
+
+SubspaceNewtonRun::SubspaceNewtonRun(const ContactOperators& dual, const Vector& start, const SubspaceNewtonOptions& options,
+                                     const SubspaceNewtonSolMgr::Hooks& hooks)
+    : dual_(dual),
+      options_(options),
+      hooks_(hooks),
+      vectors_(dual.F->getDomainMap(), dual.pairs, dual.gluingRows),
+      balance_(dual, vectors_),
+      directions_(dual, DualVectors::fromVector(*dual.diagonalOfM), vectors_, balance_, options),
+      subspace_(vectors_, options.maximumPairs),
+      r_((balance_.numFloating() > 0 ? options.floatingPenalty : 1.0) * directions_.pairStiffness()),
+      iteration_({dual, vectors_, balance_, directions_, subspace_}, r_, options.steps),
+      first_(DualVectors::fromVector(start)) {}
+
+// s = h - F lambda + G^T a without rigid part on gluing rows
+Eigen::VectorXd SubspaceNewtonRun::jumpsOf(const Eigen::VectorXd& lambda) const {
+  Eigen::VectorXd s = DualVectors::fromVector(*dual_.h) - vectors_.apply(*dual_.F, lambda);
+  balance_.removeRigidPart(s);
+  return s;
+}
+
+// The state that all pairs start from, and the motions of floating bodies, which need no F: pairs (0, G^T Zk V).
+void SubspaceNewtonRun::keepOrigin() {
+  for (Eigen::Index j = 0; j < balance_.numFloating(); ++j)
+    subspace_.add(Eigen::VectorXd::Zero(vectors_.numRows()), balance_.jumps().col(j));
+  subspace_.makePermanent();
+  iteration_.setOrigin(state_);
+}
+
+void SubspaceNewtonRun::start() {
+  subspace_.clear();
+  if (isFloating()) {
+    startOnFoundation();
+  } else {
+    state_.lambda = first_;
+    liftRest();
+    state_.s = jumpsOf(state_.lambda);
+  }
+  keepOrigin();
+  reference_ = vectors_.norm(state_.s);
+  isStarted_ = true;
+}
+
+// Rigid bodies on springs r at the pairs, H^T P(r H a) = load, give contact forces that carry the loads.  With the deformation s
+// that these cause, x = lambda + r s in P(x + r H a) gives the motions a.  The friction is that of the first level: near its
+// limit rigid bodies run away at the true one.
+void SubspaceNewtonRun::startOnFoundation() {
+  const std::vector<PairLaw> easier = scaledCoefficients(dual_.pairs, options_.continuation.firstFactor);
+  const auto solve = [&](const Eigen::VectorXd& x) { return solveFoundation(easier, x, r_, balance_, options_.foundation); };
+  state_.lambda = Eigen::VectorXd::Zero(vectors_.numRows());
+  vectors_.setContact(state_.lambda, solve(Eigen::VectorXd::Zero(3 * vectors_.numPairs())).forces);
+  balance_.balance(state_.lambda, dual_.e);  // G lambda = e by the gluing rows
+  liftRest();
+  state_.s = jumpsOf(state_.lambda);
+  Eigen::VectorXd x = vectors_.contact(state_.s);
+  for (Eigen::Index i = 0; i < r_.size(); ++i) x.segment<3>(3 * i) *= r_[i];
+  x += vectors_.contact(state_.lambda);
+  state_.s += balance_.jumps() * solve(x).a;
+}
+
+// What is not in balance at the start is shared by all rows: lambda - G^T (G G^T)^-1 (G lambda - e).
+void SubspaceNewtonRun::liftRest() {
+  constexpr double kBalanced = 1e-12;  // of the loads: round-off
+  const Eigen::VectorXd rest = balance_.applyG(state_.lambda) - dual_.e;
+  if (rest.norm() > kBalanced * dual_.e.norm()) state_.lambda -= multiply(*dual_.GT, dual_.GGT->solve(rest));
+}
+
+bool SubspaceNewtonRun::accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
+  const auto l = vectors_.toVector(lambda);
+  if (level.isFinal && hooks_.statusTest) residual = hooks_.statusTest(*l, *vectors_.toVector(s));
+  if (level.isFinal) residual_ = residual;
+  if (hooks_.observer) hooks_.observer({dual_.F->applications(), residual, level.isFinal}, *l);
+  return residual <= (level.isFinal ? options_.tolerance : level.tolerance);
+}
+
+NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Level& level, bool isFresh) {
+  NewtonLimits limits;
+  limits.tolerance = level.tolerance;
+  limits.reference = reference_;
+  limits.stall = level.patience;
+  limits.maxApplications = left();
+  limits.accept = [&](const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double relative) {
+    return accept(lambda, s, relative, level);
+  };
+  // A start of floating bodies leaves their motions as pairs: first what these can do.  Else a direction comes first.
+  const bool needsDirection = !(isFresh && isFloating());
+  return iteration_.iterate(law, state_, limits, needsDirection);
+}
+
+SubspaceNewtonRun::LevelsEnd SubspaceNewtonRun::runLevels(const FrictionLevels& levels) {
+  LevelsEnd end;
+  for (const auto& law : levels.laws) {
+    end.isPlateau = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh) == NewtonStop::Plateau;
+    end.isFresh = false;
+    if (end.isPlateau) break;
+  }
+  return end;
+}
+
+void SubspaceNewtonRun::condense() {
+  if (!directions_.condense()) return;
+  r_ = directions_.pairStiffness();
+  iteration_.setPenalty(r_);
+}
+
+// Condensed directions are taken from the start where M is known to be poor, else on a plateau: from the state reached, which is
+// worth more than a fresh start, unless that state has run away or leads nowhere.
+NewtonStop SubspaceNewtonRun::solveFromStart() {
+  if (dual_.needsDeflatedM) condense();
+  const NewtonStop stop = descend();
+  if (stop != NewtonStop::Plateau) return stop;
+  condense();
+  if (hasRunAway()) return descend();
+  const NewtonStop fromHere = runLevel(dual_.pairs, finalLevel(options_.continuation.patience));
+  return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
+}
+
+// A start and levels of friction; after a stall a new start and finer levels.
+NewtonStop SubspaceNewtonRun::descend() {
+  const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
+  start();
+  LevelsEnd levels = runLevels(policy.first(!directions_.isCondensed()));
+  for (int restart = 0;; ++restart) {
+    if (levels.isPlateau) return NewtonStop::Plateau;
+    const NewtonStop stop = runLevel(dual_.pairs, finalLevel(options_.continuation.patience), levels.isFresh);
+    if (stop != NewtonStop::Stalled || restart == options_.continuation.maximumRestarts || left() <= 0) return stop;
+    start();
+    levels = runLevels(policy.detour(restart));
+  }
+}
+
+// The recursion for s drifts after a blow-up; afterwards the jumps are those of lambda again.  Which motion the floating bodies
+// have made is not in lambda: min || s + jumps a - s_before ||.
+void SubspaceNewtonRun::refreshJumps() {
+  Eigen::VectorXd s = jumpsOf(state_.lambda);
+  if (isFloating()) {
+    const Eigen::MatrixXd& J = balance_.jumps();
+    Eigen::MatrixXd sums(J.cols(), J.cols() + 1);
+    sums << J.transpose() * J, J.transpose() * (state_.s - s);
+    vectors_.sum(sums);
+    s += J * Eigen::MatrixXd(sums.leftCols(J.cols())).ldlt().solve(sums.rightCols(1));
+  }
+  state_.s = s;
+}
+
+NewtonStop SubspaceNewtonRun::solve() {
+  subspace_.setMaximum(options_.maximumPairs);
+  if (!isStarted_) return solveFromStart();
+  refreshJumps();
+  const Level level = finalLevel(options_.continuation.patienceFactorAtAnswer * options_.continuation.patience);
+  const NewtonStop stop = runLevel(dual_.pairs, level);
+  if (stop != NewtonStop::Plateau) return stop;
+  condense();
+  return runLevel(dual_.pairs, level);
+}
+
+void SubspaceNewtonRun::startFrom(const Vector& lambda, const Vector& s) {
+  if (!isStarted_) start();
+  subspace_.clear();
+  state_.lambda = DualVectors::fromVector(lambda);
+  balance_.balance(state_.lambda, dual_.e);
+  state_.s = DualVectors::fromVector(s);
+  keepOrigin();
+}
+
+}  // namespace Haptos

@@ -1,0 +1,74 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include "Haptos_Continuation.hpp"
+#include "Haptos_SubspaceNewtonIter.hpp"
+#include "Haptos_SubspaceNewtonSolMgr.hpp"
+
+namespace Haptos {
+
+/// \brief All that `SubspaceNewtonSolMgr` does for one problem: a start, levels of friction, restarts, condensed directions.
+///
+/// Pairs and state are kept from one `solve` to the next.
+class SubspaceNewtonRun {
+ public:
+  /// All but `start` [rows] is kept by reference and may change between calls.  Collective.
+  SubspaceNewtonRun(const ContactOperators& dual, const Vector& start, const SubspaceNewtonOptions& options,
+                    const SubspaceNewtonSolMgr::Hooks& hooks);
+
+  /// \brief From the start, or on from the state.  Collective.
+  NewtonStop solve();
+  /// \brief Makes this the state, without pairs.  Collective.
+  void startFrom(const Vector& lambda, const Vector& s);
+
+  RCP<Vector> lambda() const { return vectors_.toVector(state_.lambda); }
+  RCP<Vector> jumps() const { return vectors_.toVector(state_.s); }
+  double residual() const { return residual_; }  ///< that the tolerance was compared with last; -1: never
+  const RecycledSubspace& subspace() const { return subspace_; }
+  int steps() const { return iteration_.steps(); }
+
+ private:
+  // What ends a level.
+  struct Level {
+    double tolerance;  // relative to the jumps of the start; at the true coefficients of the status test
+    int patience;      // F without halving the residual
+    bool isFinal;      // the true coefficients
+  };
+  // How a row of levels ended.
+  struct LevelsEnd {
+    bool isFresh = true;      // there was none since the start
+    bool isPlateau = false;   // that condensed directions could leave
+  };
+
+  long left() const { return options_.maximumMultiplications - dual_.F->applications(); }
+  bool isFloating() const { return balance_.numFloating() > 0; }
+  Level finalLevel(int patience) const { return {options_.continuation.aim * options_.tolerance, patience, true}; }
+  Eigen::VectorXd jumpsOf(const Eigen::VectorXd& lambda) const;
+  void keepOrigin();
+  void start();
+  void startOnFoundation();
+  void liftRest();
+  void refreshJumps();
+  bool accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
+  NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool isFresh = false);
+  LevelsEnd runLevels(const FrictionLevels& levels);
+  void condense();
+  bool hasRunAway() const { return vectors_.norm(state_.s) > options_.continuation.runaway * reference_; }
+  NewtonStop solveFromStart();
+  NewtonStop descend();
+
+  const ContactOperators& dual_;
+  const SubspaceNewtonOptions& options_;
+  const SubspaceNewtonSolMgr::Hooks& hooks_;
+  DualVectors vectors_;
+  GluingBalance balance_;
+  DirectionChoice directions_;
+  RecycledSubspace subspace_;
+  Eigen::VectorXd r_;  // [pairs] penalty of the law
+  SubspaceNewtonIter iteration_;
+  Eigen::VectorXd first_;  // multipliers given by the user
+  NewtonState state_;
+  double reference_ = 0, residual_ = -1;
+  bool isStarted_ = false;
+};
+
+}  // namespace Haptos
