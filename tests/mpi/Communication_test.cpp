@@ -13,7 +13,7 @@ using namespace Haptos::Testing;
 namespace {
 
 // Per multiplication by F at most: a tenth above what was counted, 24 to 31 on all cells, steps and ranks.  The loops of a
-// step would allow 178 (theory.md): a direction, the steps of conjugate gradients on slip modes, and those of
+// step would allow 162 (theory.md): a direction, the steps of conjugate gradients on slip modes, and those of
 // Gauss-Newton with their trial points.
 constexpr long kMostReductions = 34;
 

@@ -7,6 +7,7 @@ namespace Haptos {
 
 int commRank(const Communicator& comm) { return comm.getRank(); }
 
+// An exception as numbers and text, so that it can be sent: which of the kinds it was decides what the others throw.
 CaughtError describeCurrentException() {
   try {
     throw;
@@ -32,6 +33,7 @@ void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
   throw CollectiveError(error.message);
 }
 
+// The lowest rank with an error is the one that speaks.
 void throwOnAllRanks(const Communicator& comm, const CaughtError& error) {
   const int mine = error.kind == 0 ? comm.getSize() : comm.getRank();
   int first = 0;

@@ -14,11 +14,13 @@ namespace {
 
 constexpr std::size_t kPiece = std::size_t(1) << 30;  // MPI 3 counts are ints
 
+// Teuchos has no non-blocking messages of bytes.
 MPI_Comm rawComm(const Communicator& comm) {
   const auto* mpi = dynamic_cast<const Teuchos::MpiComm<int>*>(&comm);
   return mpi ? (*mpi->getRawMpiComm())() : MPI_COMM_SELF;
 }
 
+// In pieces of at most 2^30 bytes, which arrive in the order in which they are sent.
 void send(MPI_Comm comm, const Bytes& message, int to, std::vector<MPI_Request>& requests) {
   for (std::size_t at = 0; at < message.size(); at += kPiece) {
     requests.emplace_back();
@@ -45,6 +47,7 @@ std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes
   if (ranks == 1) return outgoing;
   std::vector<std::uint64_t> sizesOut(ranks), sizesIn(ranks);
   for (int r = 0; r < ranks; ++r) sizesOut[r] = outgoing[r].size();
+  // Who sends to whom is known to the sender alone, so sizes go first; empty messages are not sent.
   MPI_Alltoall(sizesOut.data(), 1, MPI_UINT64_T, sizesIn.data(), 1, MPI_UINT64_T, raw);
 
   std::vector<Bytes> incoming(ranks);
@@ -113,6 +116,7 @@ std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message) {
   const std::uint64_t size = message.size();
   MPI_Allgather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, raw);
   const std::uint64_t total = std::accumulate(sizes.begin(), sizes.end(), std::uint64_t(0));
+  // MPI_Allgatherv counts in ints; beyond, point to point
   if (total > kPiece) return exchangeAll(comm, std::vector<Bytes>(ranks, message));
   std::vector<int> counts(sizes.begin(), sizes.end()), starts(ranks, 0);
   std::partial_sum(counts.begin(), counts.end() - 1, starts.begin() + 1);

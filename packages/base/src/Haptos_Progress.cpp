@@ -43,6 +43,7 @@ std::string Progress::stamped(const std::string& text) const {
   return stamp + text;
 }
 
+// A shorter text leaves the end of the longer one before it: blanks go over that.
 void Progress::show(const std::string& text) {
   if (options_.terminal) {
     const std::size_t blanks = openLength_ > text.size() ? openLength_ - text.size() : 0;
@@ -55,6 +56,7 @@ void Progress::show(const std::string& text) {
   pending_.clear();
 }
 
+// What comes too soon waits, and is shown if nothing newer comes before the next line that stays.
 void Progress::update(const std::string& text) {
   if (!prints_) return;
   const double interval = options_.terminal ? options_.terminalInterval : options_.logInterval;

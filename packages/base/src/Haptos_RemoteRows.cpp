@@ -40,6 +40,7 @@ RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)
   importer_ = Teuchos::rcp(new Tpetra::Import<>(map_, remoteMap_));
 }
 
+// Own rows are left where they lie, see decisions/003.
 void RemoteRows::fetch(const MultiVector& x, MultiVector& remote) const {
   if (!isAlone_) remote.doImport(x, *importer_, Tpetra::INSERT);
 }
@@ -48,6 +49,7 @@ void RemoteRows::addToOwners(const MultiVector& remote, MultiVector& y) const {
   if (!isAlone_) y.doExport(remote, *importer_, Tpetra::ADD);
 }
 
+// Tpetra transfers vectors of its own only; they are made at the first use and kept.
 void RemoteRows::makeVectors() const {
   if (!ownValues_.is_null()) return;
   ownValues_ = Teuchos::rcp(new Vector(map_));

@@ -34,6 +34,7 @@ RunClock::Scope RunClock::time(Phase phase) {
   return Scope(*this);
 }
 
+// Since the last change the innermost phase ran: phases may be nested, no second counts twice.
 void RunClock::credit() {
   const double now = now_();
   const CommunicationCounts sent = communicationSoFar();

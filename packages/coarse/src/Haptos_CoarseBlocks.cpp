@@ -19,6 +19,7 @@ using BlockMap = CoarseBlocks::Map;
 std::uint64_t blockKey(int row, int column) { return (std::uint64_t(row) << 32) | std::uint64_t(column); }
 
 // Finds blocks in a map; rows near each other mostly touch the same ones, several hundred where subdomains are small.
+// A table of the last found in each of 1024 places: the map is asked for few of them.
 class RecentBlocks {
  public:
   explicit RecentBlocks(BlockMap& blocks) : blocks_(blocks), recent_(kEntries) {}
@@ -107,7 +108,7 @@ class PaddedRow {
   std::vector<double> values_;
 };
 
-// block += sum of weight a b^T over the rows
+// block += sum of weight a b^T over the rows, summed in registers first: the block is read and written once for all of them
 HAPTOS_INLINE void addProduct(const AlikeRows& C, const double* a, const double* b, Block& block) {
   Block sum{};
   for (int r = 0; r < C.rows; ++r, a += C.length, b += C.length)
@@ -118,6 +119,7 @@ HAPTOS_INLINE void addProduct(const AlikeRows& C, const double* a, const double*
   for (std::size_t i = 0; i < sum.size(); ++i) block[i] += sum[i];
 }
 
+// All blocks (s, t), s >= t, of C^T diag(q) C that these rows meet; columns ascend, so the lower triangle is j <= i.
 HAPTOS_CLONES void addProducts(const AlikeRows& C, RecentBlocks& blocks) {
   for (int i = 0; i < C.length; i += kModes)
     for (int j = 0; j <= i; j += kModes)
@@ -126,6 +128,7 @@ HAPTOS_CLONES void addProducts(const AlikeRows& C, RecentBlocks& blocks) {
 
 }  // namespace
 
+// sum over rows i of q_i c_i c_i^T, c_i the row's six numbers of each of its subdomains; up to three rows of one pattern at once.
 CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
   TEUCHOS_ASSERT(C.isCompressed() && (q.empty() || Eigen::Index(q.size()) == C.rows()));
   static constexpr double kOnes[kAlike] = {1, 1, 1};
@@ -163,6 +166,7 @@ CoarseBlocks::CoarseBlocks(const std::vector<Eigen::SparseVector<double>>& vecto
       }
 }
 
+// Blocks to their owners, who add them up, sums to the holders: all of those get the same numbers.
 CoarseBlocks CoarseBlocks::onHolders(const CoarsePlacement& placement, Eigen::Index subdomains) const {
   const Communicator& comm = placement.comm();
   if (comm.getSize() == 1) return *this;
@@ -188,6 +192,7 @@ Eigen::VectorXd CoarseBlocks::multiply(const Eigen::VectorXd& a) const {
     const Eigen::Map<const Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>> A(block.data());
     const int s = kModes * row(key), t = kModes * column(key);
     y.segment<kModes>(s) += A * a.segment<kModes>(t);
+    // what lies above the diagonal is not kept
     if (s != t) y.segment<kModes>(t) += A.transpose() * a.segment<kModes>(s);
   }
   return y;
@@ -201,6 +206,7 @@ double CoarseBlocks::largestDiagonal() const {
   return largest;
 }
 
+// The pattern of all parts together: it stays, so that the analysis of the first factor serves all later values.
 CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eigen::Index size)
     : rowsOfColumn_(std::size_t(size / kModes)), matrix_(size, size) {
   for (const CoarseBlocks* pattern : patterns)

@@ -16,6 +16,7 @@ int groupOf(const Communicator& comm, int ranksPerFactor) {
 
 }  // namespace
 
+// Small matrices, and groups of one rank, leave `group_` null: every rank holds a factor.
 CoarsePlacement::CoarsePlacement(RCP<const Communicator> comm, Eigen::Index unknowns, const CoarseOptions& options)
     : comm_(std::move(comm)), numHolders_(comm_->getSize()) {
   if (unknowns <= options.replicatedUpTo || numHolders_ == 1 || options.ranksPerFactor == 1) return;
@@ -25,6 +26,7 @@ CoarsePlacement::CoarsePlacement(RCP<const Communicator> comm, Eigen::Index unkn
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, holder, Teuchos::outArg(numHolders_));
 }
 
+// One reduction of all ranks, or one in each group and one among the lowest of each: the second is short where ranks share memory.
 Eigen::MatrixXd CoarsePlacement::sum(const Eigen::MatrixXd& mine) const {
   if (comm_->getSize() == 1 || mine.size() == 0) return mine;
   Eigen::MatrixXd total(mine.rows(), mine.cols());
@@ -45,6 +47,7 @@ void CoarsePlacement::broadcast(Eigen::MatrixXd& x) const {
   if (!isReplicated() && x.size() > 0) Teuchos::broadcast(*group_, 0, int(x.size()), x.data());
 }
 
+// Group by group, in each by rank: the order is the same on all holders, which is all that it is for.
 std::vector<Bytes> CoarsePlacement::gather(const Bytes& message) const {
   if (isReplicated()) return gatherOnAll(*comm_, message);
   ByteWriter ofGroup;

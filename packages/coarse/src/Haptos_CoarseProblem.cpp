@@ -85,7 +85,8 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   if (when == Factor::Now) factor(std::move(first));
 }
 
-// Where no motion is to be held, the others are eliminated already.
+// A = A_fixed + E + holds: without E and with the same holds (none) S of A_fixed on the changing subdomains is what the whole
+// problem started from, so the elimination is shared and only S itself is factored.  Else it is a matrix of its own.
 CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
     : placement_(whole.placement_), size_(whole.size_), fixed_(whole.fixed_) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
@@ -99,6 +100,7 @@ CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
 }
 
+// + scale w w^T: large enough to hold, not so large that it hides the rest; the largest diagonal entry is the natural unit.
 void CoarseProblem::addHolds(const Holds& holds, double scale) {
   held_.add(CoarseBlocks(holds), scale > 0 ? scale : 1.0);  // 0: no row at all
   isHeld_ = !holds.empty();
@@ -112,6 +114,7 @@ void CoarseProblem::renew(const Weighted& changing) {
   factor(sumUp(changing));
 }
 
+// On the holders only.  Where all ranks hold, all do the same with the same numbers; else the others wait for the holders' word.
 void CoarseProblem::factor(CoarseBlocks changing) {
   changingBlocks_ = std::move(changing);
   CoarseCosts& costs = placement_->costs();
@@ -134,6 +137,7 @@ void CoarseProblem::factor(CoarseBlocks changing) {
   broadcastAndThrow(placement_->comm(), error, 0);  // rank 0 is a holder, and all holders have the same matrix
 }
 
+// P^T A P = L L^T, sparse, of all unknowns
 void CoarseProblem::factorWhole() {
   if (matrix_.matrix().rows() == 0) matrix_ = CoarseMatrix({fixed_.get(), &held_}, size_);
   matrix_.set({fixed_.get(), &held_, &changingBlocks_});
@@ -141,6 +145,7 @@ void CoarseProblem::factorWhole() {
   else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
 }
 
+// [ A_oo A_oc ; A_co A_cc + E ], o: others, c: where rows change.  A_oo = L_oo L_oo^T once, S = A_cc - A_co A_oo^-1 A_oc; then S + E
 void CoarseProblem::factorCondensed() {
   if (!condensed_) {
     const CoarseSchur::Parts stays{fixed_.get(), &held_};
@@ -177,6 +182,12 @@ Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen
 
 CoarseProblem::Series::Series(const CoarseProblem& problem, Eigen::VectorXd mine) : problem_(problem), mine_(std::move(mine)) {}
 
+// a_k = A^-1 r_k with r_1 = b_1 and, since A_fixed a = A a - E a and A a_i = r_i,
+//
+//   r_k = b_k - A_fixed (a_1 + ... + a_k-1) = b_k - (r_1 + ... + r_k-1) + E (a_1 + ... + a_k-1).
+//
+// b_k - b_1 and E a lie in c.  So do all r_k but r_1, whose others are eliminated once: every a_k comes from S + E alone, and only
+// its entries in c are right.  They are all that E, and the active contact rows, ask for.
 Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
   const CoarsePlacement& placement = *problem_.placement_;
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
@@ -197,8 +208,7 @@ Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
   return a;
 }
 
-// A right-hand side beyond the first one, `more` [l] that changing rows add and take off: where only the others act, nothing
-// is left.
+// a of r = (b_1 with the others eliminated) + `more` - (all r so far), more = b_k - b_1 + E (all a so far) [l]; empty at k = 1.
 Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more) {
   const CoarseSchurFactor* condensed = problem_.condensed_.get();
   const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows(), others = eliminated_.rows() - n;
@@ -219,6 +229,8 @@ Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more)
   return a;
 }
 
+// A_fixed a = b, b = b_1 + what changed since, which lies in c: b_1 is eliminated, what changed is added to its last rows, S (without
+// E) solves for those, and one substitution gives the others.
 Eigen::VectorXd CoarseProblem::Series::last(const CoarseProblem& fixedAlone, const Eigen::VectorXd& changing) {
   const bool shares = fixedAlone.condenses_ && first_.size() > 0;  // then what was eliminated first serves again
   if (!shares) return fixedAlone.solveSum(mine_ + changing);

@@ -28,6 +28,7 @@ inline void forEachRun(const CoarseRows& C, Eigen::Index row, Run&& run, One&& o
 
 }  // namespace
 
+// y += x_i c_i, row by row: C is read once in its order
 Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& x) {
   TEUCHOS_ASSERT(C.isCompressed() && x.size() == C.rows());
   Eigen::VectorXd y = Eigen::VectorXd::Zero(C.cols());
@@ -40,6 +41,7 @@ Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const E
   return y;
 }
 
+// y_i = c_i . a, six columns as one product of small vectors
 Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::VectorXd>& a) {
   TEUCHOS_ASSERT(C.isCompressed() && a.size() == C.cols());
   Eigen::VectorXd y(C.rows());

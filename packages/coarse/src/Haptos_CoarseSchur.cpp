@@ -80,7 +80,7 @@ CompressedColumns graphOf(const CoarseSchur::Parts& A, const std::vector<int>& n
   return graph;
 }
 
-// By constrained minimum degree.
+// By minimum degree, constrained so that the last come last (CAMD).
 std::vector<int> orderByDegree(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   std::vector<int> all(std::size_t(subdomains), 0), isLast(all), order(all);
   std::iota(all.begin(), all.end(), 0);
@@ -92,7 +92,7 @@ std::vector<int> orderByDegree(const CoarseSchur::Parts& A, int subdomains, cons
   return order;
 }
 
-// The others by nested dissection; empty if that fails.
+// The others by nested dissection of their own graph, the last behind them as they are; empty if that fails.
 std::vector<int> orderByDissection(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   std::vector<int> number(std::size_t(subdomains), 0), others;
   for (int s : last) number[std::size_t(s)] = -1;
@@ -134,6 +134,7 @@ class OrderedMatrix {
   CompressedColumns columns_;
 };
 
+// A(order, order): a block (s, t) goes to column min(position), transposed where the order turns it over.
 OrderedMatrix::OrderedMatrix(const CoarseSchur::Parts& A, const std::vector<int>& order)
     : position_(order.size()), rowsOfColumn_(order.size()) {
   for (std::size_t i = 0; i < order.size(); ++i) position_[std::size_t(order[i])] = int(i);
@@ -142,6 +143,7 @@ OrderedMatrix::OrderedMatrix(const CoarseSchur::Parts& A, const std::vector<int>
     for (const auto& [key, block] : part->blocks()) add(key, block);
 }
 
+// Block columns as six columns each, from the diagonal entry down.
 void OrderedMatrix::makePattern(const CoarseSchur::Parts& A) {
   for (const CoarseBlocks* part : A)
     for (const auto& [key, block] : part->blocks()) {
@@ -172,7 +174,7 @@ void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
   }
 }
 
-// In this column, so that a factorisation ends there.
+// A_jj := - max diag in this column: its pivot is below zero whatever was subtracted, so that a factorisation ends there.
 void OrderedMatrix::makeIndefinite(int column) {
   double largest = 0;
   for (std::size_t j = 0; j + 1 < columns_.starts.size(); ++j) largest = std::max(largest, columns_.values[std::size_t(columns_.starts[j])]);
@@ -214,6 +216,7 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
 
 }  // namespace
 
+// Dense in c against sparse in all, by entries; with more than a third in c little is left to be eliminated.
 bool CoarseSchur::pays(Eigen::Index unknowns, Eigen::Index last) {
   constexpr Eigen::Index kAlways = 200, kFew = 1500;  // dense work on few costs less than looking at a sparse pattern
   constexpr double kFactor = 27;                      // a sparse factor of the whole has 27 l^(4/3) entries
@@ -221,6 +224,8 @@ bool CoarseSchur::pays(Eigen::Index unknowns, Eigen::Index last) {
   return last > 0 && (last <= kAlways || (3 * last <= unknowns && (last <= kFew || c * c <= entries)));
 }
 
+// Columns o of L, A_oo = L_oo L_oo^T and L_co = A_co L_oo^-T, from CHOLMOD, which stops before c; supernodes that reach into c are
+// cut off there.
 void CoarseSchur::eliminateOthers(const Parts& A, const std::vector<int>& last) {
   CholmodCommon common;
   const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, last, common);
@@ -239,6 +244,7 @@ void CoarseSchur::eliminateOthers(const Parts& A, const std::vector<int>& last) 
   schur_ = Lapack::packLower(schur);
 }
 #else
+// Dense in c against sparse in all, by entries; with more than a third in c little is left to be eliminated.
 bool CoarseSchur::pays(Eigen::Index, Eigen::Index) { return false; }
 
 void CoarseSchur::eliminateOthers(const Parts&, const std::vector<int>&) {
@@ -288,6 +294,7 @@ void CoarseSchur::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) co
   }
 }
 
+// Y = [ L_oo^-1 b_o ; b_c - L_co L_oo^-1 b_o ]: forward substitution with the columns o alone
 Eigen::MatrixXd CoarseSchur::eliminate(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, B.cols());
   for (Eigen::Index j = 0; j < B.cols(); ++j)
@@ -296,6 +303,7 @@ Eigen::MatrixXd CoarseSchur::eliminate(const Eigen::MatrixXd& B) const {
   return Y.topRows(size_);
 }
 
+// x_o = L_oo^-T (y_o - L_co^T x_c), x_c as given
 Eigen::MatrixXd CoarseSchur::substituteBack(const Eigen::MatrixXd& Y) const {
   Eigen::MatrixXd X(size_, Y.cols()), ordered = Eigen::MatrixXd::Zero(size_ + SupernodalFactor<double>::kPadding, Y.cols());
   ordered.topRows(size_) = Y;

@@ -6,6 +6,8 @@
 
 namespace Haptos {
 
+// S + E = L L^T, dense.  In single precision where three digits of a known solution come back, and else in double: it shapes
+// directions, their balance is restored with a factor in double.
 void CoarseSchurFactor::renew(const CoarseBlocks& E) {
   for (const auto& [key, block] : E.blocks())
     TEUCHOS_ASSERT(A_->isLast(CoarseBlocks::row(key)) && A_->isLast(CoarseBlocks::column(key)));
@@ -25,6 +27,7 @@ void CoarseSchurFactor::solveSchur(Eigen::Ref<Eigen::MatrixXd> last) const {
   else double_.solve(last);
 }
 
+// y_o = L_oo^-1 b_o,  x_c = (S + E)^-1 (b_c - L_co y_o),  x_o = L_oo^-T (y_o - L_co^T x_c)
 Eigen::MatrixXd CoarseSchurFactor::solve(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd Y = A_->eliminate(B);
   solveSchur(Y.bottomRows(schurSize()));

@@ -25,6 +25,7 @@ Eigen::Map<const NodeColumns<Shape>> asColumns(const double* entries) {
   return Eigen::Map<const NodeColumns<Shape>>(entries);
 }
 
+// From the element's first node: a mesh far from the origin loses no digits of its edges.
 template <class Shape>
 NodeColumns<Shape> relativeCoordinates(const Coordinates& coordinates, const int* nodes) {
   NodeColumns<Shape> x;
@@ -48,6 +49,7 @@ bool isAcceptable(const Matrix3d& j, double determinant) {
   return determinant > 1e-12 * j.col(0).norm() * j.col(1).norm() * j.col(2).norm();
 }
 
+// Which of three mistakes it is, as each has a remedy of its own: nodes in mirrored order, a folded element, one without volume.
 template <class Shape>
 [[noreturn]] void throwBadElement(const NodeColumns<Shape>& x, const ElementGroup& group, int element) {
   const auto& rule = stiffnessRule(Shape::topology);
@@ -93,6 +95,7 @@ ElementVector<Shape> gather(const Eigen::Ref<const Eigen::VectorXd>& u, const in
   return local;
 }
 
+// The stress of the mean gradient, h = sum_p V_p h_p / V: what B-bar and plain elements have in common, and free of locking.
 template <class Shape>
 void groupStresses(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
                    const Eigen::Ref<const Eigen::VectorXd>& u, std::vector<Stress>& stresses) {
@@ -165,6 +168,8 @@ void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticMod
   stiffness += q.lazyProduct(q.transpose());
 }
 
+// f_a = sum over points of V_p sigma_p grad N_a(p), sigma_p from h = sum_a u_a (x) grad N_a; for BBar the deviator there and the
+// pressure bulk (integral of div u) / V on q_a: the same K u without K.
 template <class Shape>
 ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                                   Formulation formulation, const ElementVector<Shape>& displacement) {

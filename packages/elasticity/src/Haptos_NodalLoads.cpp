@@ -52,6 +52,7 @@ Vector3d tangent(const Patch& patch, const ReferenceElement& rule, int point, in
   return t;
 }
 
+// x = sum_a N_a x_a; on a side dx/dxi_1 x dx/dxi_2, outward as sides list their nodes, in a body dotted with dx/dxi_3
 PatchPoint evaluate(const Patch& patch, const ReferenceElement& rule, int point) {
   PatchPoint result;
   result.values = rule.values.col(point).data();
@@ -86,6 +87,7 @@ void visitSidePoints(const Coordinates& coordinates, const ElementGroup& group,
   }
 }
 
+// f_a += N_a times the force at the point
 void addForce(const Patch& patch, const PatchPoint& point, const Vector3d& force,
               Eigen::Ref<Eigen::VectorXd> f) {
   for (int a = 0; a < patch.numNodes; ++a)

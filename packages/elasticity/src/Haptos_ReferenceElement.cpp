@@ -61,11 +61,13 @@ const ReferenceElement& stiffnessRule(Topology topology) {
   return topology == Topology::Hex8 ? hex : tet;
 }
 
+// A load that varies linearly, times N_a: one degree more than the stiffness of a TET4, whose gradients are constant.
 const ReferenceElement& bodyLoadRule(Topology topology) {
   static const ReferenceElement hex = tabulate<HexBasis>(3), tet = tabulate<TetBasis>(2);
   return topology == Topology::Hex8 ? hex : tet;
 }
 
+// The same on sides.
 const ReferenceElement& sideRule(Topology topology) {
   static const ReferenceElement quad = tabulate<QuadBasis>(3), tri = tabulate<TriBasis>(2);
   return topology == Topology::Hex8 ? quad : tri;

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-constexpr double negligible = 1e-6;
+constexpr double negligible = 1e-6;  // of a motion, in words: what round-off or a user's digits leave of a turn or a shift
 
 Vector3d pointAt(const Coordinates& coordinates, Index node) {
   const auto& x = coordinates[std::size_t(node)];
@@ -49,6 +49,7 @@ void orthonormalise(Eigen::MatrixXd& modes) {
   }
 }
 
+// Six motions about the centroid in lengths of the piece, so that shifts and turns are alike in size; then orthonormal.
 Eigen::MatrixXd modesOfPiece(const Coordinates& coordinates, const std::vector<Index>& nodes) {
   const Vector3d centre = centroidOf(coordinates, nodes);
   double size = 0.0;
@@ -70,6 +71,7 @@ std::string format(Vector3d v, double zeroBelow, int digits) {
   return text.str();
 }
 
+// An axis has no sign: the first component that is printed is made positive.
 std::string formatDirection(Vector3d direction) {
   direction.normalize();
   for (int i = 0; i < 3; ++i) {
@@ -82,6 +84,7 @@ std::string formatDirection(Vector3d direction) {
 
 }  // namespace
 
+// u = t + w x r in the columns t_x, t_y, t_z, w_x, w_y, w_z
 Eigen::Matrix<double, 3, 6> rigidMotion(const Vector3d& x, const Vector3d& centre) {
   const Vector3d r = x - centre;
   Eigen::Matrix<double, 3, 6> motion;

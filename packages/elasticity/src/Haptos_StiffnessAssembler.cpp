@@ -35,6 +35,7 @@ std::vector<ElementReference> listElements(const std::vector<ElementGroup>& grou
   return elements;
 }
 
+// By counting: how many each node has, where its list begins, then the elements in their order.
 IndexLists elementsOfNodes(int numNodes, const std::vector<ElementReference>& elements) {
   IndexLists lists;
   lists.offsets.assign(std::size_t(numNodes) + 1, 0);
@@ -98,6 +99,7 @@ SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
   return k;
 }
 
+// K_ab += k_ab, 3 x 3 blocks: the three rows of a node lie side by side in each of three columns, so one search a block is enough.
 template <class Shape>
 void scatter(const ElementMatrix<Shape>& element, const int* nodes, const IndexLists& neighbours,
              SparseMatrix& k) {
@@ -124,6 +126,7 @@ void addGroup(const Coordinates& coordinates, const ElementGroup& group, const E
   }
 }
 
+// K u element by element by way of stresses: it shares nothing with the assembled K but the gradients.
 template <class Shape>
 void applyGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
                 Formulation formulation, const Eigen::Ref<const Eigen::VectorXd>& u,

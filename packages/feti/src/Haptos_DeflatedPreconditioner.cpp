@@ -18,6 +18,7 @@ constexpr int kBlock = 32;             // columns of Z that are made at a time
 constexpr double kNegligible = 1e-14;  // entries of a column, of its largest
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 
+// Z's columns reach a subdomain and its neighbours; what is round-off beside the largest entry would make them dense.
 void appendNonzeros(const MultiVector& block, int column, int width, std::vector<Eigen::Triplet<double>>& triplets) {
   for (int j = 0; j < width; ++j) {
     const auto data = block.getData(std::size_t(j));
@@ -28,6 +29,8 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
   }
 }
 
+// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  Both factors lie with their contact rows; g = Y_c^T x
+// is summed over the ranks, and K^+ is in YK = Y_c K^+ already.
 class DeflatedContactBlock final : public Operator {
  public:
   DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
@@ -72,7 +75,8 @@ DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> bas
   findMotions(slender);
 }
 
-// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones.
+// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones, which take the dense S apart
+// into L^T L for good: S itself has lost the energies of soft motions to round-off, L has not.
 void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   const LocalSystems& systems = base_->systems();
   for (int c = 0; c < systems.numClasses(); ++c) {
@@ -94,7 +98,7 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   }
 }
 
-// t := t - B_D^T B t, the mean of the copies
+// t := t - B_D^T B t, the mean of the copies weighted by stiffness, at closed contact of both sides too: B t = 0 after it, as B B_D^T = 1
 void DeflatedPreconditioner::average(MultiVector& t) const {
   MultiVector jumps(getRangeMap(), t.getNumVectors()), half(t.getMap(), t.getNumVectors());
   base_->jump().apply(t, jumps);
@@ -120,18 +124,21 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   }
 }
 
+// t := H t with S = H^T C H: L t where a subdomain is slender, t where it is not
 void DeflatedPreconditioner::toHalf(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)] * x).eval();
   });
 }
 
+// t := H^T t
 void DeflatedPreconditioner::fromHalf(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)].transpose() * x).eval();
   });
 }
 
+// t := C t: t where a subdomain is slender, S t where it is not
 void DeflatedPreconditioner::applyRest(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) return;
@@ -150,6 +157,7 @@ void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t,
   for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(c)](Eigen::Index(k), which[1]);
 }
 
+// H Z and C H Z, `kBlock` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
 void DeflatedPreconditioner::assemble() {
   const auto& comm = *getRangeMap()->getComm();
   std::vector<std::array<int, 2>> columns;  // of this rank
@@ -212,6 +220,7 @@ RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
   return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
 }
 
+// L D L^T with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.
 void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {
   scale_ = K.diagonal();
   const double largest = scale_.maxCoeff();
@@ -229,7 +238,7 @@ Eigen::VectorXd DeflatedPreconditioner::solve(const Eigen::VectorXd& g) const {
   return scale_.cwiseProduct(Eigen::VectorXd(factor_.transpositionsP().transpose() * a));
 }
 
-// t := t - A K^+ C^T t
+// t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.
 void DeflatedPreconditioner::project(const Columns& A, const Columns& C, Vector& t) const {
   const auto data = t.getDataNonConst(0);
   Eigen::Map<Eigen::VectorXd> values(data.getRawPtr(), data.size());
@@ -239,6 +248,7 @@ void DeflatedPreconditioner::project(const Columns& A, const Columns& C, Vector&
   values -= A * solve(g);
 }
 
+// z = B_D H^T (1 - C H Z K^+ (H Z)^T) C (1 - H Z K^+ (C H Z)^T) H B_D^T x
 void DeflatedPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     Vector t(base_->jump().getDomainMap()), z(getRangeMap());

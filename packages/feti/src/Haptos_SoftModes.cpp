@@ -6,9 +6,10 @@
 
 namespace Haptos {
 
+// By the eigenvalues of sum d d^T, d from the mean: squares of the extents along the principal axes.
 bool isSlender(const Subdomain& subdomain) {
-  constexpr double kRatio = 10;
-  constexpr int kLargest = 400;
+  constexpr double kRatio = 10;    // extents; ordinary meshes are to pay nothing (decisions/016)
+  constexpr int kLargest = 400;    // nodes
   if (subdomain.numNodes() > kLargest) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& x : subdomain.coordinates) mean += Eigen::Vector3d(x.data());
@@ -22,6 +23,8 @@ bool isSlender(const Subdomain& subdomain) {
   return squares[2] > kRatio * kRatio * squares[0];
 }
 
+// S w = mu D w, D = diag S, as A = D^-1/2 S D^-1/2 with eigenvectors D^1/2 w.  Rigid motions have mu = 0 up to round-off, which would mix
+// with soft ones: they are shifted beyond the spectrum, by 2 tr A, and their mu is set to 0.  With V the eigenvectors, S = L^T L, L = mu^1/2 V^T D^1/2.
 SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, double softest) {
   const Eigen::VectorXd root = S.diagonal().cwiseSqrt(), inverse = root.cwiseInverse();
   Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal();

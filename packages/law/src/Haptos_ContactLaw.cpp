@@ -8,6 +8,8 @@
 
 namespace Haptos {
 
+// P_N = max(0, x_N); P_T the projection of x_T on the ellipse with g(P_N), so that dP_T/dx_N = dP_T/dg for Coulomb and 0 for Tresca.
+// An open Coulomb pair has g = 0 and P = 0; an open Tresca pair still has its ellipse.
 PairProjection PairLaw::project(const std::array<double, 3>& x) const {
   PairProjection result{};
   const bool closed = x[0] > 0 && !normalPinned;
@@ -29,7 +31,7 @@ PairProjection PairLaw::project(const std::array<double, 3>& x) const {
 }
 
 ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, double openForce) {
-  constexpr double kOnEllipse = 1e-6;
+  constexpr double kOnEllipse = 1e-6;  // of the radius: forces are known to about the tolerance of a run
   if (lambda[0] <= openForce) return ContactStatus::Open;
   if (!pair.frictional()) return ContactStatus::Slip;
   const double g = pair.slipBound(lambda[0]);

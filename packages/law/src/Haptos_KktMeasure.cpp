@@ -14,6 +14,7 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
+// An error that is 0 needs no scale; without a scale any other is infinite.
 double ratio(double a, double b) { return a == 0 ? 0 : a / b; }
 
 // || lambda_T - P(lambda_T + step) || at the slip bound of lambda_N

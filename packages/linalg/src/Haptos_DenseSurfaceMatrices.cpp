@@ -45,6 +45,7 @@ SparseMatrix blockOf(const SparseMatrix& K, const std::vector<int>& rows, const 
   return block;
 }
 
+// From three members on products of matrices pay, which want both triangles.
 Storage storageFor(std::size_t members) { return members > 2 ? Storage::Full : Storage::Packed; }
 
 }  // namespace
@@ -66,6 +67,7 @@ DenseSurfaceMatrices::DenseSurfaceMatrices(const SparseMatrix& K, const MatrixXd
   requireAccuracy(K);
 }
 
+// S = K_bb - (L_ii^-1 K_ib)^T (L_ii^-1 K_ib): half a product, and symmetric by construction
 MatrixXd DenseSurfaceMatrices::schurComplement(const SparseMatrix& K, MatrixXd& Lii) const {
   MatrixXd S = blockOf(K, boundary_, boundary_), Kib = Kib_;
   Lapack::solveLower(Lii, Kib);
@@ -73,6 +75,11 @@ MatrixXd DenseSurfaceMatrices::schurComplement(const SparseMatrix& K, MatrixXd& 
   return S;
 }
 
+// A = (S + rho Q Q^T)^-1, Q an orthonormal basis of R_b, rho the mean of diag S so that the kernel is held as stiffly as the rest:
+// S A S = S.  G = [ A , -A K_bi K_ii^-1 ; . , . ] is then a generalised inverse of K, (K^+)_bb that of P = (1 - R R^T) G (1 - R R^T):
+//
+//   W = G R:   t = K_ii^-1 R_i,   W_b = A (R_b - K_bi t),   W_i = t - K_ii^-1 K_ib W_b
+//   P_bb = A - R_b W_b^T - W_b R_b^T + R_b (R^T W) R_b^T = A - (R_b V^T + V R_b^T),   V = W_b - R_b (R^T W) / 2
 void DenseSurfaceMatrices::formInverse(const MatrixXd& S) {
   const MatrixXd Rb = rowsOf(kernel_, boundary_), Ri = rowsOf(kernel_, interior_);
   const Index k = Rb.cols();
@@ -99,6 +106,7 @@ void DenseSurfaceMatrices::formInverse(const MatrixXd& S) {
   inverse_ = DenseSymmetric(A, storage_, Precision::Double);
 }
 
+// f := (1 - R R^T) f,   u_b = P_bb (f_b - K_bi K_ii^-1 f_i),   u_i = K_ii^-1 (f_i - K_ib u_b),   u := (1 - R R^T) u
 void DenseSurfaceMatrices::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref<MatrixXd> X) const {
   TEUCHOS_ASSERT(B.rows() == kernel_.rows() && X.rows() == B.rows() && X.cols() == B.cols());
   MatrixXd balanced = B;
@@ -135,6 +143,7 @@ void DenseSurfaceMatrices::requireAccuracy(const SparseMatrix& K) const {
                                  << residual << ")");
 }
 
+// Factor of K_ii, L_ii^-1 K_ib, its products, the inverse on b; S in single, P in double precision, L_ii for right-hand sides inside.
 DenseSurfaceMatrices::Cost DenseSurfaceMatrices::cost(double n, double nb, std::size_t members) {
   const double ni = n - nb;
   const Storage storage = storageFor(members);

@@ -28,6 +28,7 @@ const int kOne = 1;
 
 int leading(const Eigen::MatrixXd& A) { return std::max(1, int(A.outerStride())); }
 
+// The lower triangle by columns, times a factor.
 template <class Scalar, class Matrix>
 std::vector<Scalar> pack(const Matrix& lower, double factor) {
   const Eigen::Index n = lower.rows();
@@ -38,6 +39,7 @@ std::vector<Scalar> pack(const Matrix& lower, double factor) {
   return packed;
 }
 
+// Both triangles, times a factor.
 template <class Scalar>
 std::vector<Scalar> unfold(const Eigen::MatrixXd& lower, double factor) {
   const Eigen::Index n = lower.rows();
@@ -113,6 +115,7 @@ DenseSymmetric::DenseSymmetric(const Eigen::MatrixXd& lower, Storage storage, Pr
     doubles_ = packed ? pack<double>(lower, 1) : unfold<double>(lower, 1);
     return;
   }
+  // the largest entry of a semidefinite matrix is on its diagonal
   for (Eigen::Index j = 0; j < n_; ++j) scale_ = std::max(j == 0 ? 0.0 : scale_, std::abs(lower(j, j)));
   if (scale_ == 0) scale_ = 1;
   singles_ = packed ? pack<float>(lower, 1 / scale_) : unfold<float>(lower, 1 / scale_);
@@ -130,6 +133,7 @@ void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Re
     dspmv_("L", &n, &one, doubles_.data(), X.col(j).data(), &kOne, &zero, Y.col(j).data(), &kOne);
 }
 
+// y = (A / scale) (x / unit) in single precision: neither factor can overflow or vanish, whatever the units.
 void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   const int n = int(n_), m = int(X.cols());
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
@@ -166,6 +170,7 @@ DenseCholesky::DenseCholesky(Eigen::MatrixXd L, DenseSymmetric::Storage storage)
   else packed_ = Lapack::packLower(L);
 }
 
+// x = L^-T L^-1 b: BLAS 2 for one column, which reads L twice, BLAS 3 for many; a packed L has BLAS 2 only.
 void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   TEUCHOS_ASSERT(B.rows() == n_);
   if (B.size() == 0) return;
@@ -186,6 +191,8 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   }
 }
 
+// D A D = L L^T with D = diag(A)^-1/2, so that entries are at most 1 and pivots lie in (0, 1].  What comes back from A x, x known,
+// tells the digits that are left, at the price of a product.
 bool SingleCholesky::factor(const Eigen::MatrixXd& A) {
   constexpr double kThreeDigits = 1e-3;
   const Eigen::Index n = A.rows();
@@ -206,6 +213,7 @@ bool SingleCholesky::factor(const Eigen::MatrixXd& A) {
   return (x - known).cwiseQuotient(scale_).norm() <= kThreeDigits * known.cwiseQuotient(scale_).norm();  // false for a NaN
 }
 
+// A^-1 b = D L^-T L^-1 D b
 void SingleCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   TEUCHOS_ASSERT(B.rows() == scale_.size());
   const int n = int(B.rows());

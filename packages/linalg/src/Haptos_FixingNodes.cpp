@@ -56,6 +56,7 @@ int firstLargest(const Eigen::VectorXd& values) {
   return int(std::find_if(values.begin(), values.end(), [=](double v) { return v >= nearly; }) - values.begin());
 }
 
+/// Each node the farthest from all before it; no more than the piece has nodes, or distinct places.
 void sampleFarthest(const std::vector<int>& piece, const std::vector<std::array<double, 3>>& coordinates, int wanted,
                     std::vector<int>& chosen) {
   const auto y = scaledCoordinates(piece, coordinates);
@@ -69,6 +70,7 @@ void sampleFarthest(const std::vector<int>& piece, const std::vector<std::array<
   }
 }
 
+/// R_f
 Eigen::MatrixXd kernelRows(const Eigen::MatrixXd& kernel, const std::vector<int>& unknowns) {
   Eigen::MatrixXd rows(unknowns.size(), kernel.cols());
   for (std::size_t i = 0; i < unknowns.size(); ++i) rows.row(i) = kernel.row(unknowns[i]);
@@ -92,6 +94,7 @@ void holdWholeKernel(const Eigen::MatrixXd& kernel, std::vector<int>& chosen) {
     const bool full = svd.singularValues().size() == kernel.cols();
     const double weakest = full ? svd.singularValues()[kernel.cols() - 1] : 0.0;
     if (weakest >= fairPart * std::sqrt(double(chosen.size()) / all)) break;
+    // the motion that is seen least is held where it is largest
     const Eigen::VectorXd motion = kernel * svd.matrixV().col(kernel.cols() - 1);
     Eigen::VectorXd size(kernel.rows() / 3);
     for (Eigen::Index i = 0; i < size.size(); ++i) size[i] = motion.segment<3>(3 * i).norm();
@@ -114,6 +117,7 @@ std::vector<int> chooseFixingNodes(const Eigen::SparseMatrix<double>& K, const E
   return chosen;
 }
 
+// Every round holds the kernel by unknowns that no round before took: R_f is better conditioned by all of them than by one set.
 std::vector<int> chooseFixingUnknowns(const Eigen::MatrixXd& kernel, int rounds) {
   std::vector<int> chosen;
   std::vector<int> rest(kernel.rows());

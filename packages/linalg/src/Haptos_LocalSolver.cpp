@@ -72,6 +72,8 @@ void LocalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<E
   }
 }
 
+/// X := (1 - R R^T) K_reg^-1 (1 - R R^T) B.  For balanced B, X = K_reg^-1 B has no rigid part on the fixing nodes: R^T K_reg X = 0
+/// is R_f^T N (R_f^T N)^-1 N^T X = N^T X = 0, hence K_reg X = K X.
 void LocalSolver::solveBlock(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X,
                              int refinements) const {
   Eigen::MatrixXd balanced = B;

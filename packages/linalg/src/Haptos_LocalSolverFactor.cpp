@@ -113,6 +113,7 @@ LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverM
   impl_->single = std::make_unique<Columns>(impl_->map, 1);
 }
 
+// Values only: the pattern, and with it the analysis, is the first matrix's.
 void LocalSolverFactor::renew(const Eigen::SparseMatrix<double>& A) {
   TEUCHOS_ASSERT(!impl_->A.is_null() && A.isCompressed() && A.rows() == rows());
   {

@@ -25,6 +25,8 @@ struct BlockView {
   const float* entries;
 };
 
+// y += [ b0 b1 b2 ] (x0, x1, x2), a column of the block being the first three of four in a register; the fourth is the next
+// column's first, times the same x: it goes to the padding of y, which nobody reads.
 HAPTOS_INLINE void addBlock(const float* block, const Quad& x0, const Quad& x1, const Quad& x2, float* y) {
   store(load(y) + load(block) * x0 + load(block + 3) * x1 + load(block + 6) * x2, y);
 }
@@ -76,6 +78,7 @@ HAPTOS_CLONES void subtractTransposedColumns(const BlockView& A, const float* x,
 
 }  // namespace
 
+// Columns in turn; in each first the pattern (a row node once, whichever of its nine entries come), then the entries.
 NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rowOf, const std::vector<int>& columns,
                                  int rows, double unit, bool symmetric)
     : rows_(rows), symmetric_(symmetric), unit_(unit) {
@@ -116,6 +119,7 @@ void NodeBlockMatrix::subtractTransposed(const float* x, float* y) const {
   subtractTransposedColumns({numColumns(), starts_.data(), row_.data(), entries_.data()}, x, y);
 }
 
+// A block of the kept triangle stands for its transpose, too.
 Eigen::SparseMatrix<double> NodeBlockMatrix::columns(const std::vector<int>& unknowns) const {
   std::vector<int> position(std::size_t(3 * numColumns()), -1);
   for (std::size_t i = 0; i < unknowns.size(); ++i) position[std::size_t(unknowns[i])] = int(i);
@@ -132,7 +136,7 @@ Eigen::SparseMatrix<double> NodeBlockMatrix::columns(const std::vector<int>& unk
       const int i = row_[std::size_t(k)];
       const bool isTwice = symmetric_ && i != j;
       if (!isWanted(j) && !(isTwice && isWanted(i))) continue;
-      for (int e = 0; e < kBlock; ++e) {
+      for (int e = 0; e < kBlock; ++e) {  // row e % 3, column e / 3
         const double value = unit_ * double(entries_[std::size_t(kBlock * k + e)]);
         add(3 * i + e % 3, 3 * j + e / 3, value);
         if (isTwice) add(3 * j + e / 3, 3 * i + e % 3, value);

@@ -18,6 +18,7 @@ HAPTOS_CLONES void forwardOne(const FactorView<float>& L, float* x, float* work)
 HAPTOS_CLONES void backwardOne(const FactorView<double>& L, double* x, double* work) { sweepBackward(L, x, work); }
 HAPTOS_CLONES void backwardOne(const FactorView<float>& L, float* x, float* work) { sweepBackward(L, x, work); }
 
+// max L_jj: L / scale has entries of at most about 1.
 double largestPivot(const SupernodeView& v) {
   double largest = 0;
   for (int k = 0; k < v.supernodes; ++k)
@@ -28,6 +29,8 @@ double largestPivot(const SupernodeView& v) {
 
 }  // namespace
 
+// Where everything goes first, then the entries, so that one allocation holds them in the order of a forward sweep: supernode by
+// supernode its triangle, its rectangle.  Rows that fill the last register point to the zeros behind the vector.
 template <class Scalar>
 SupernodalFactor<Scalar>::SupernodalFactor(const SupernodeView& v) : perm_(v.perm, v.perm + v.n) {
   if (std::is_same<Scalar, float>::value) scale_ = largestPivot(v);
@@ -49,6 +52,7 @@ SupernodalFactor<Scalar>::SupernodalFactor(const SupernodeView& v) : perm_(v.per
   entries_.resize(size + std::size_t(kCount), Scalar(0));  // the last column, too, is read to the end of a register
 }
 
+// L / scale without the zeros above the diagonal; 1 / L_jj in the place of L_jj, as a sweep multiplies by it.
 template <class Scalar>
 void SupernodalFactor<Scalar>::append(const Supernode& node, const double* block) {
   const int n = node.columns, rows = n + node.rowsBelow;
@@ -73,6 +77,7 @@ typename SupernodalFactor<Scalar>::Matrix SupernodalFactor<Scalar>::triangleOf(c
   return T;
 }
 
+// Supernode by supernode, n its columns and b the rows below: x_n := T^-1 x_n, x_b := x_b - R x_n.  BLAS wants T whole.
 template <class Scalar>
 void SupernodalFactor<Scalar>::forward(Matrix& X) const {
   TEUCHOS_ASSERT(X.rows() == rows() + kPadding);
@@ -93,6 +98,7 @@ void SupernodalFactor<Scalar>::forward(Matrix& X) const {
   }
 }
 
+// From the last supernode to the first: x_n := T^-T (x_n - R^T x_b).
 template <class Scalar>
 void SupernodalFactor<Scalar>::backward(Matrix& X) const {
   TEUCHOS_ASSERT(X.rows() == rows() + kPadding);
@@ -113,6 +119,7 @@ void SupernodalFactor<Scalar>::backward(Matrix& X) const {
   }
 }
 
+// P A P^T = L L^T, L = scale (L / scale): x = P^T (L / scale)^-T (L / scale)^-1 P (b / unit), times unit / scale^2.
 template <class Scalar>
 void SupernodalFactor<Scalar>::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
   TEUCHOS_ASSERT(B.rows() == rows() && X.rows() == B.rows() && X.cols() == B.cols());

@@ -13,7 +13,7 @@ namespace Haptos {
 
 namespace {
 
-constexpr Eigen::Index blockWidth = 64;
+constexpr Eigen::Index blockWidth = 64;  // columns at a time: products of matrices, and a workspace with a bound
 
 /// The unknowns not in `listed`, ascending.
 std::vector<int> complement(Eigen::Index n, const std::vector<int>& listed) {
@@ -124,6 +124,7 @@ void SurfaceSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<
   else double_ = {extract(K, boundary, boundary), extract(K, interior, boundary)};
 }
 
+/// K_bb / scale and K_ib / scale in single precision, scale = max diag K_bb: their entries are at most about 1 in any units.
 void SurfaceSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior) {
   double largest = 0;  // of K_bb, positive semidefinite
   for (int i : boundary) largest = std::max(largest, K.coeff(i, i));
@@ -161,6 +162,7 @@ void SurfaceSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen
   Y.noalias() -= double_.Kib.transpose() * motion;
 }
 
+/// The same, x / unit and f / scale in single precision, each at most about 1; K_ii^+ gets f in its own units.
 void SurfaceSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   if (X.size() == 0) return;
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;

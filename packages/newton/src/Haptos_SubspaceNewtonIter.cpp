@@ -36,6 +36,9 @@ void SubspaceNewtonIter::makeRoom(const Eigen::VectorXd& dLambda, const Eigen::V
   subspace_.add(dLambda, dS);
 }
 
+// (v, s_v) with s_v = - F v + G^T a, a such that G_E s_v,E = 0: whatever combination y of pairs is added to (lambda, s), G lambda = e
+// and s = h - F lambda + G^T a' stay true.  v is made for the linearised residual phi + A dlambda + B ds at the step in the making,
+// and kept as it is: orthogonal is only what gluing rows see of it.
 void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
   const Eigen::VectorXd lambda = state.lambda + dLambda, s = state.s + dS;
   const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
@@ -64,7 +67,8 @@ void SubspaceNewtonIter::planStep(double length, const Eigen::VectorXd& jumpChan
   step_.head(k) = Eigen::MatrixXd(sums.leftCols(k)).completeOrthogonalDecomposition().solve(sums.rightCols(1));
 }
 
-// Directions for the frozen linearisation until its residual is below the target.
+// An inexact Newton step: A, B and phi stay, min || (s_E + ds_E, phi + A dlambda + B ds) || over the span of all pairs, and
+// directions for what is left, until that is below the target.  What it moves is taken over by `solveInSubspace`, by the law itself.
 void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits& limits, double target) {
   const Eigen::VectorXd gluing = vectors_.gluing(state.s);
   Eigen::VectorXd dLambda = Eigen::VectorXd::Zero(state.lambda.size()), dS = dLambda;
@@ -103,6 +107,7 @@ void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
   subspace_.addCombination(descent.y(), state.lambda, state.s);
 }
 
+// || (s_E, phi) || fell by less than windowFactor over the window; where the linearisation is frozen it may.
 bool SubspaceNewtonIter::isPoor() const {
   const std::size_t n = window_.size();
   return !linear_ && int(n) > options_.window && window_[n - 1] > options_.windowFactor * window_[n - 1 - std::size_t(options_.window)];
@@ -134,6 +139,7 @@ void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   halvedAt_ = applications();  // an inexact Newton step needs many directions before it pays
 }
 
+// Frozen linearisations end after two good steps in a row of passes; one that moved nothing must add a direction the next time.
 void SubspaceNewtonIter::chooseMode(double before) {
   idle_ = linear_ && norm_ > options_.idle * before;
   if (!linear_) return;
@@ -144,6 +150,7 @@ void SubspaceNewtonIter::chooseMode(double before) {
   }
 }
 
+// A level begins with the first r and without memory of how others went; the pairs are there.
 void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonState& state) {
   pairs_ = &pairs;
   firstApplication_ = dual_.F->applications();
@@ -204,7 +211,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
     advance(state, limits, needsDirection);
     needsDirection = true;
   }
-  state = std::move(best);
+  state = std::move(best);  // the last state need not be it: r changed, or a step went up
   linearize(state);
   return stop;
 }

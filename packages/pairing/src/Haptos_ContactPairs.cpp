@@ -118,6 +118,7 @@ void pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSur
                               "are less accurate there");
 }
 
+// Every secondary node is paired with the plane, whatever its distance: the gap is - (x - point) . n.
 void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, ContactInterface& interface) {
   // n = -Normal: outward from the body, towards the obstacle
   const LocalFrame frame = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);

@@ -79,6 +79,7 @@ Vec3::Array areaVector(const Corners& x, int size) {
                    : Vec3::cross(Vec3::subtract(x[2], x[0]), Vec3::subtract(x[3], x[1]));
 }
 
+// Outward, as sides list their nodes anticlockwise from outside; a face without area has no normal and is refused.
 void setFacetNormals(const Mesh& mesh, const std::vector<ElementSide>& sides, ContactSurface& surface) {
   surface.facetNormals.reserve(surface.numFacets());
   for (int f = 0; f < int(surface.numFacets()); ++f) {
@@ -100,6 +101,7 @@ struct Corner {
   Vec3::Array normal;
 };
 
+// The angle at corner i and the normal there, (next - x_i) x (previous - x_i); the facet's own where a quadrilateral is not convex.
 Corner cornerOf(const Corners& x, int size, int i, const Vec3::Array& facetNormal) {
   const auto at = [&](int k) -> const Vec3::Array& { return x[std::size_t((k + size) % size)]; };
   const auto next = Vec3::subtract(at(i + 1), at(i)), previous = Vec3::subtract(at(i - 1), at(i));
@@ -130,6 +132,7 @@ std::array<double, 4> quadrilateralAreas(const Corners& x) {
   return areas;
 }
 
+// Integrals of the shape functions: what each corner has of the facet's area.
 std::array<double, 4> facetAreas(const Corners& x, int size) {
   if (size == 4) return quadrilateralAreas(x);
   const double third = Vec3::norm(areaVector(x, 3)) / 6.0;
@@ -159,6 +162,7 @@ void accumulateNodalData(ContactSurface& surface) {
   }
 }
 
+// A nodal normal must make sense for all faces around the node: one that vanishes, or that some face looks away from, does not.
 void normalizeNormals(const Mesh& mesh, ContactSurface& surface) {
   const auto refuse = [&](std::size_t node) {
     HAPTOS_REFUSE_IF(true,
@@ -178,6 +182,7 @@ void normalizeNormals(const Mesh& mesh, ContactSurface& surface) {
         refuse(std::size_t(node));
 }
 
+// How far the normal turns from a node to its neighbours, as a sine: the size of curvature times the element size.
 void setTurns(ContactSurface& surface) {
   surface.turns.assign(surface.numNodes(), 0.0);
   for (const auto& facet : surface.facets)

@@ -10,7 +10,7 @@
 
 namespace Haptos {
 namespace {
-constexpr int leafSize = 4;
+constexpr int leafSize = 4;  // facets whose boxes cost about what one more level would
 }
 
 FacetTree::FacetTree(const ContactSurface& surface) {
@@ -23,6 +23,7 @@ FacetTree::FacetTree(const ContactSurface& surface) {
         low[c] = std::min(low[c], x);
         high[c] = std::max(high[c], x);
       }
+    // room beside the facet, as its plane is found by nodes that lie a little beyond its edges
     const double margin = 0.25 * Vec3::norm(Vec3::subtract(high, low));
     Box box{Vec3::scale(0.5, Vec3::add(low, high)), Vec3::scale(0.5, Vec3::subtract(high, low))};
     for (double& half : box.half) half += margin;
@@ -33,6 +34,7 @@ FacetTree::FacetTree(const ContactSurface& surface) {
   if (!order_.empty()) build(0, int(order_.size()));
 }
 
+// Halves by the median along the longest axis: a depth of log2 n whatever the surface.
 int FacetTree::build(int begin, int end) {
   Box box = boxes_[std::size_t(order_[std::size_t(begin)])];
   for (int i = begin + 1; i < end; ++i) box = unite(box, boxes_[std::size_t(order_[std::size_t(i)])]);

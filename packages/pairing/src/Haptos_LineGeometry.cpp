@@ -6,6 +6,8 @@
 
 namespace Haptos {
 
+// On the inner side of every edge, seen along the line, but for the margin: edge x line is the inward normal of an edge in that view,
+// the distance from it (x - a) . inward / |inward|.
 bool passesThrough(const ContactSurface& surface, int facet, const Line& line, double margin) {
   const auto& corners = surface.facets[std::size_t(facet)];
   const int size = surface.facetSize(facet);
@@ -21,6 +23,7 @@ bool passesThrough(const ContactSurface& surface, int facet, const Line& line, d
   return true;
 }
 
+// (x + t d - corner) . n = 0; a warped quadrilateral is taken for the plane through its first corner
 double distanceToFacet(const ContactSurface& surface, int facet, const Line& line) {
   const auto& normal = surface.facetNormals[std::size_t(facet)];
   const auto& corner = surface.coordinates[std::size_t(surface.facets[std::size_t(facet)][0])];

@@ -144,6 +144,8 @@ class Matcher {
   SurfaceMatch match_;
 };
 
+// Every secondary node has a partner, or lies opposite no face of the primary surface, which is no contact there.  What else there
+// can be is refused at the end, by its worst case: nodes opposite faces but not opposite nodes; surfaces that look the same way.
 void Matcher::pairSecondaryNodes() {
   Mismatch worst;
   std::size_t paired = 0;
@@ -170,6 +172,7 @@ void Matcher::pairSecondaryNodes() {
   if (paired == 0 && wrongNode >= 0) refuseOrientation(wrongNode, wrong);
 }
 
+// Along the node's own normal first; directions of approach count where that found nothing exact.
 Matcher::Search Matcher::searchFrom(int node) {
   Search found;
   const auto& x = s_.coordinates[std::size_t(node)];
@@ -193,6 +196,7 @@ void Matcher::searchAlong(const Line& line, int node, Search& found) {
   }
 }
 
+// The nodes of a facet that faces ours are candidates as far as they lie opposite our node, sideways within the allowance.
 void Matcher::visitOpposing(int facet, const Line& line, int node, Search& found) const {
   const auto i = std::size_t(node);
   if (Vec3::dot(line.direction, p_.facetNormals[std::size_t(facet)]) < grazingCosine &&
@@ -211,6 +215,7 @@ void Matcher::visitOpposing(int facet, const Line& line, int node, Search& found
   }
 }
 
+// A facet that looks the same way: the nearest of these tells, should nothing be found, how wrong the side set is.
 void Matcher::visitOther(int facet, const Line& line, int node, Search& found) const {
   const auto i = std::size_t(node);
   const double cosine = Vec3::dot(s_.normals[i], p_.facetNormals[std::size_t(facet)]);
@@ -232,6 +237,8 @@ void Matcher::visitOther(int facet, const Line& line, int node, Search& found) c
   found.wrongAtNode = false;
 }
 
+// The least distance of the two nodes across any direction along which they may have been meshed alike: the normal of either, a
+// direction of approach.
 double Matcher::tangentialDistance(int node, int primary) const {
   const auto i = std::size_t(node), j = std::size_t(primary);
   const auto offset = Vec3::subtract(p_.coordinates[j], s_.coordinates[i]);
@@ -244,6 +251,7 @@ double Matcher::tangentialDistance(int node, int primary) const {
   return distance;
 }
 
+// Of round-off and of a gap between curved surfaces, gap times the turn of the normal, since there nodes drift sideways.
 double Matcher::allowance(int node, double gap) const {
   const auto i = std::size_t(node);
   return exactMismatch(node) + std::min(std::abs(gap) * s_.turns[i], 0.25 * s_.sizes[i]);
@@ -299,6 +307,7 @@ void Matcher::checkUnpairedPrimaryNodes() {
   if (worst.count > 0) refuseMismatch(worst, p_, s_);
 }
 
+// Whether the line through a primary node meets a secondary face that faces it; the nearest node of such a face, too.
 bool Matcher::isOppositeSecondary(int primary, const FacetTree& tree, double& nearest, int& nearestNode) {
   const auto j = std::size_t(primary);
   const Line line{p_.coordinates[j], p_.normals[j]};
@@ -334,6 +343,7 @@ double Matcher::reachOfFacet(int facet) const {
   return reach < 0.0 ? infinity : reach + size;
 }
 
+// Secondary faces whose corners all have partners that are no primary face together: other diagonals.
 void Matcher::countMismatchedFaces() {
   const auto key = [](std::array<int, 4> facet) {
     std::sort(facet.begin(), facet.end());
