@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_BodyMotions.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <limits>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_RigidBodyModes.hpp"
@@ -121,12 +121,12 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
   Eigen::MatrixXd A = gramOfJumps(GT, Z, holds);
   sumOverRanks(comm, A);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  const double largest = std::max(1.0, eigen.eigenvalues().tail<1>()[0]);  // 1: where nothing is held at all
+  const SymmetricEigen eigen(A);
+  const double largest = std::max(1.0, eigen.values.tail<1>()[0]);  // 1: where nothing is held at all
   Eigen::Index k = 0;
-  while (k < A.rows() && eigen.eigenvalues()[k] <= kUnheld * largest) ++k;
+  while (k < A.rows() && eigen.values[k] <= kUnheld * largest) ++k;
   UnheldMotions result;
-  result.basis = eigen.eigenvectors().leftCols(k);
+  result.basis = eigen.vectors.leftCols(k);
   for (Eigen::Index i = 0; i < k; ++i) {  // Gauss-Jordan with complete pivoting
     double best = 0;
     Eigen::Index row = 0, column = i;
@@ -154,7 +154,7 @@ CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMo
   const Eigen::VectorXd resultant = bodies.Z().transpose() * e;
   Eigen::VectorXd work = unheld.basis.transpose() * resultant;
   // Loads that do work on a free motion: name the motion that they drive.
-  const Eigen::VectorXd driven = unheld.basis * (unheld.basis.transpose() * unheld.basis).ldlt().solve(work);
+  const Eigen::VectorXd driven = unheld.basis * solveByLdlt(unheld.basis.transpose() * unheld.basis, work);
   if (work.size() > 0 && driven.norm() > kBalanced * loadScale)
     throw InsufficientModel("The model has no solution: " + bodies.describe(driven) +
                             " is held by nothing, and the loads drive it (resultant " + formatted("%g", driven.norm()) +

@@ -225,17 +225,12 @@ void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {
   scale_ = K.diagonal();
   const double largest = scale_.maxCoeff();
   for (double& value : scale_) value = value > 1e-28 * largest ? 1 / std::sqrt(value) : 0.0;
-  factor_.compute(scale_.asDiagonal() * K * scale_.asDiagonal());
+  factor_ = std::make_unique<PivotedLdlt>(scale_.asDiagonal() * K * scale_.asDiagonal());
 }
 
 // K^+ g, small pivots left out: motions that others contain
 Eigen::VectorXd DeflatedPreconditioner::solve(const Eigen::VectorXd& g) const {
-  Eigen::VectorXd a = factor_.transpositionsP() * Eigen::VectorXd(scale_.cwiseProduct(g));
-  factor_.matrixL().solveInPlace(a);
-  const auto pivots = factor_.vectorD();
-  for (Eigen::Index i = 0; i < a.size(); ++i) a[i] = pivots[i] > kDependent ? a[i] / pivots[i] : 0.0;
-  factor_.matrixU().solveInPlace(a);
-  return scale_.cwiseProduct(Eigen::VectorXd(factor_.transpositionsP().transpose() * a));
+  return scale_.cwiseProduct(factor_->solve(scale_.cwiseProduct(g), kDependent));
 }
 
 // t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.

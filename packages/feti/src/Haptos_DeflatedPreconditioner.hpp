@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Eigen/SparseCore>
 #include <array>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 
 namespace Haptos {
@@ -67,7 +68,7 @@ class DeflatedPreconditioner final : public Operator {
   Columns HZ_, CHZ_;        // [local primal x coarse]
   mutable long applications_ = 0;
   Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)
-  Eigen::LDLT<Eigen::MatrixXd> factor_;  // of K scaled to unit diagonal
+  std::unique_ptr<const PivotedLdlt> factor_;  // of K scaled to unit diagonal
 };
 
 }  // namespace Haptos

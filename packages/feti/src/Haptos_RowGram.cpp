@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RowGram.hpp"
 
-#include <Eigen/Dense>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
 #include <numeric>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 namespace {
@@ -60,10 +61,10 @@ Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
   Eigen::VectorXd d = A.diagonal();
   for (auto& value : d) value = value > 0 ? 1.0 / std::sqrt(value) : 0.0;
   A = d.asDiagonal() * A * d.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
-  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const SymmetricEigen eigen(A);
+  Eigen::VectorXd inverse = eigen.values;
   for (auto& value : inverse) value = value > kDependent ? 1.0 / value : 0.0;
-  return d.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose()) * d.asDiagonal();
+  return d.asDiagonal() * (eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose()) * d.asDiagonal();
 }
 
 }  // namespace

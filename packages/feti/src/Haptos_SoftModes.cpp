@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SoftModes.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 
@@ -19,7 +20,7 @@ bool isSlender(const Subdomain& subdomain) {
     const Eigen::Vector3d d = Eigen::Vector3d(x.data()) - mean;
     spread += d * d.transpose();
   }
-  const Eigen::Vector3d squares = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+  const Eigen::Vector3d squares = SymmetricEigen3(spread).values;
   return squares[2] > kRatio * kRatio * squares[0];
 }
 
@@ -29,17 +30,16 @@ SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid
   const Eigen::VectorXd root = S.diagonal().cwiseSqrt(), inverse = root.cwiseInverse();
   Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal();
   const Eigen::MatrixXd scaledRigid = root.asDiagonal() * rigid;
-  const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(scaledRigid).householderQ() *
-                            Eigen::MatrixXd::Identity(rigid.rows(), rigid.cols());
+  const Eigen::MatrixXd Q = orthonormalBasis(scaledRigid);
   A += 2 * A.trace() * Q * Q.transpose();  // rigid motions go to the other end of the spectrum
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const SymmetricEigen eigen(A);
   const Eigen::Index elastic = A.rows() - rigid.cols();
   Eigen::Index count = 0;
-  while (count < elastic && eigen.eigenvalues()[count] < softest) ++count;
-  Eigen::VectorXd mu = eigen.eigenvalues().cwiseMax(0.0);
+  while (count < elastic && eigen.values[count] < softest) ++count;
+  Eigen::VectorXd mu = eigen.values.cwiseMax(0.0);
   mu.tail(rigid.cols()).setZero();
-  return {mu.cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose() * root.asDiagonal(),
-          inverse.asDiagonal() * eigen.eigenvectors().leftCols(count)};
+  return {mu.cwiseSqrt().asDiagonal() * eigen.vectors.transpose() * root.asDiagonal(),
+          inverse.asDiagonal() * eigen.vectors.leftCols(count)};
 }
 
 }  // namespace Haptos

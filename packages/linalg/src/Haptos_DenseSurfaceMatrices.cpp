@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_DenseSurfaceMatrices.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <cmath>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 namespace {
@@ -85,8 +86,7 @@ void DenseSurfaceMatrices::formInverse(const MatrixXd& S) {
   const Index k = Rb.cols();
   MatrixXd A = S;
   if (k > 0) {
-    const Eigen::HouseholderQR<MatrixXd> qr(Rb);
-    const MatrixXd Q = qr.householderQ() * MatrixXd::Identity(Rb.rows(), k);
+    const MatrixXd Q = orthonormalBasis(Rb);
     const double rho = S.diagonal().mean();
     Lapack::addSymmetricProduct(0.5 * rho, Q, Q, A);
   }

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_FixingNodes.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 
@@ -40,11 +41,11 @@ Eigen::MatrixXd scaledCoordinates(const std::vector<int>& piece, const std::vect
   for (std::size_t i = 0; i < piece.size(); ++i)
     y.row(i) = Eigen::Map<const Eigen::RowVector3d>(coordinates[piece[i]].data());
   y.rowwise() -= y.colwise().mean().eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> inertia(y.transpose() * y / double(piece.size()));
-  const double flat = 1e-12 * inertia.eigenvalues()[2];  // no extent along this axis
-  y = y * inertia.eigenvectors();
+  const SymmetricEigen3 inertia(y.transpose() * y / double(piece.size()));
+  const double flat = 1e-12 * inertia.values[2];  // no extent along this axis
+  y = y * inertia.vectors;
   for (int c = 0; c < 3; ++c) {
-    const double lambda = inertia.eigenvalues()[c];
+    const double lambda = inertia.values[c];
     y.col(c) *= lambda > flat ? 1.0 / std::sqrt(lambda) : 0.0;
   }
   return y;
@@ -90,12 +91,12 @@ void holdWholeKernel(const Eigen::MatrixXd& kernel, std::vector<int>& chosen) {
   const double all = double(kernel.rows()) / 3.0;
   const auto most = std::min<std::size_t>(chosen.size() + 2 * kernel.cols(), std::size_t(all));
   while (chosen.size() < most) {
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(kernelRows(kernel, unknownsOf(chosen)), Eigen::ComputeFullV);
-    const bool full = svd.singularValues().size() == kernel.cols();
-    const double weakest = full ? svd.singularValues()[kernel.cols() - 1] : 0.0;
+    const RightSvd svd(kernelRows(kernel, unknownsOf(chosen)));
+    const bool full = svd.values.size() == kernel.cols();
+    const double weakest = full ? svd.values[kernel.cols() - 1] : 0.0;
     if (weakest >= fairPart * std::sqrt(double(chosen.size()) / all)) break;
     // the motion that is seen least is held where it is largest
-    const Eigen::VectorXd motion = kernel * svd.matrixV().col(kernel.cols() - 1);
+    const Eigen::VectorXd motion = kernel * svd.V.col(kernel.cols() - 1);
     Eigen::VectorXd size(kernel.rows() / 3);
     for (Eigen::Index i = 0; i < size.size(); ++i) size[i] = motion.segment<3>(3 * i).norm();
     for (const int node : chosen) size[node] = 0.0;
@@ -123,9 +124,8 @@ std::vector<int> chooseFixingUnknowns(const Eigen::MatrixXd& kernel, int rounds)
   std::vector<int> rest(kernel.rows());
   std::iota(rest.begin(), rest.end(), 0);
   for (int round = 0; round < rounds && kernel.cols() > 0 && !rest.empty(); ++round) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(kernelRows(kernel, rest).transpose());
     std::vector<int> picked;
-    for (Eigen::Index k = 0; k < qr.rank(); ++k) picked.push_back(rest[qr.colsPermutation().indices()[k]]);
+    for (int column : PivotedQr(kernelRows(kernel, rest).transpose()).columns) picked.push_back(rest[column]);
     chosen.insert(chosen.end(), picked.begin(), picked.end());
     std::sort(picked.begin(), picked.end());
     std::vector<int> left;
@@ -146,13 +146,13 @@ Eigen::SparseMatrix<double> regularizeByFixing(const Eigen::SparseMatrix<double>
   Eigen::VectorXd rootW(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) rootW[i] = std::sqrt(diagonal[order[i]]);
 
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rootW.asDiagonal() * kernelRows(kernel, order));
-  TEUCHOS_TEST_FOR_EXCEPTION(qr.rank() < kernel.cols(), std::runtime_error,
+  const PivotedQr qr(rootW.asDiagonal() * kernelRows(kernel, order));
+  TEUCHOS_TEST_FOR_EXCEPTION(Eigen::Index(qr.columns.size()) < kernel.cols(), std::runtime_error,
                              "regularizeByFixing: the kernel of a subdomain has " << kernel.cols()
-                                 << " columns, but only " << qr.rank() << " are independent on its "
+                                 << " columns, but only " << qr.columns.size() << " are independent on its "
                                  << unknowns.size() << " fixing unknowns");
   // with W^1/2 R_f = Q T:  N (R_f^T N)^-1 N^T = W^1/2 Q Q^T W^1/2, without the squared condition number
-  const Eigen::MatrixXd Q = qr.householderQ() * Eigen::MatrixXd::Identity(order.size(), kernel.cols());
+  const Eigen::MatrixXd& Q = qr.Q;
 
   std::vector<Eigen::Triplet<double>> entries;
   for (std::size_t i = 0; i < order.size(); ++i)

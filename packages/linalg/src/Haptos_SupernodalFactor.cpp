@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SupernodalFactor.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_BLAS.hpp>
 #include <algorithm>

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SurfaceSchur.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FixingNodes.hpp"
 
 namespace Haptos {
@@ -79,14 +79,14 @@ Eigen::MatrixXd interiorKernel(const Eigen::MatrixXd& kernel, const std::vector<
   if (kernel.cols() == 0) return Eigen::MatrixXd(interior.size(), 0);
   Eigen::MatrixXd onBoundary = Eigen::MatrixXd::Zero(boundary.size() + 1, kernel.cols());  // one row even if b is empty
   for (std::size_t k = 0; k < boundary.size(); ++k) onBoundary.row(k) = kernel.row(boundary[k]);
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(onBoundary, Eigen::ComputeFullV);
+  const RightSvd svd(onBoundary);
 
   // what the singular values would be if R were spread evenly over all unknowns
   const double even = std::sqrt(double(boundary.size()) / double(kernel.rows()));
   Eigen::Index rank = 0;
-  while (rank < svd.singularValues().size() && svd.singularValues()[rank] > 1e-9 * even) ++rank;
+  while (rank < svd.values.size() && svd.values[rank] > 1e-9 * even) ++rank;
 
-  const Eigen::MatrixXd unseen = kernel * svd.matrixV().rightCols(kernel.cols() - rank);
+  const Eigen::MatrixXd unseen = kernel * svd.V.rightCols(kernel.cols() - rank);
   Eigen::MatrixXd Z(interior.size(), unseen.cols());
   for (std::size_t k = 0; k < interior.size(); ++k) Z.row(k) = unseen.row(interior[k]);
   return Z;

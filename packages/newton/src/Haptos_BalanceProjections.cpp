@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_BalanceProjections.hpp"
 
-#include <Eigen/Dense>
+#include "Haptos_DenseDecompositions.hpp"
+
 
 namespace Haptos {
 namespace {
@@ -28,10 +29,10 @@ Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors
   constexpr double kUnfelt = 1e-10;  // of the largest eigenvalue; a single node gives about 1, round-off 1e-30
   Eigen::MatrixXd gram = H.transpose() * H;
   vectors.sum(gram);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
+  const SymmetricEigen eigen(gram);
   Eigen::Index unfelt = 0;
-  while (unfelt < gram.cols() && eigen.eigenvalues()[unfelt] <= kUnfelt * std::max(1.0, eigen.eigenvalues().tail<1>()[0])) ++unfelt;
-  return eigen.eigenvectors().rightCols(gram.cols() - unfelt);
+  while (unfelt < gram.cols() && eigen.values[unfelt] <= kUnfelt * std::max(1.0, eigen.values.tail<1>()[0])) ++unfelt;
+  return eigen.vectors.rightCols(gram.cols() - unfelt);
 }
 
 }  // namespace
@@ -44,7 +45,7 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), dual.holds);
   const Eigen::Index k = dual.motions.cols();
   Zk_.resize(coarseSize_, k);  // orthonormal: what is projected off a below is Zk Zk^T a
-  if (k > 0) Zk_ = Eigen::HouseholderQR<Eigen::MatrixXd>(dual.motions).householderQ() * Eigen::MatrixXd::Identity(coarseSize_, k);
+  if (k > 0) Zk_ = orthonormalBasis(dual.motions);
   jumps_ = *dual.GT * Zk_;
   H_.resize(3 * vectors.numPairs(), k);
   for (Eigen::Index j = 0; j < k; ++j) H_.col(j) = carried(vectors.contact(jumps_.col(j)), dual.pairs);

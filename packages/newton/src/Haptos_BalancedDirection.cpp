@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_BalancedDirection.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 
 #include "Haptos_ByteBuffer.hpp"
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Exchange.hpp"
 
 namespace Haptos {
@@ -165,10 +165,10 @@ void BalancedDirection::holdFloatingBodies(const LawLinearization& law, Eigen::V
   Eigen::MatrixXd K = sums.leftCols(k);
   const Eigen::MatrixXd HH = sums.middleCols(k, k);
   K += options_.floatingShift * K.trace() * Eigen::MatrixXd::Identity(k, k) + options_.floatingHold * sums.middleCols(2 * k, k);
-  contact -= PH * K.partialPivLu().solve(sums.rightCols(1));
+  contact -= PH * solveByLu(K, sums.rightCols(1));
   Eigen::MatrixXd rest = H.transpose() * contact;
   vectors_.sum(rest);
-  contact -= H * HH.completeOrthogonalDecomposition().solve(rest);
+  contact -= H * solveLeastSquares(HH, rest);
 }
 
 Direction BalancedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target) {

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CondensedContact.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_CommHelpers.hpp>
 #include <cmath>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 namespace {
@@ -11,9 +12,9 @@ namespace {
 // By LU, which is good for all but singular matrices; kernel vectors (motions that nothing holds) get the least norm.
 Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   constexpr double kUseless = 1e-6;  // residual of a solution that is none
-  const Eigen::VectorXd x = A.partialPivLu().solve(b);
+  const Eigen::VectorXd x = solveByLu(A, b);
   if (x.allFinite() && (A * x - b).norm() <= kUseless * b.norm()) return x;
-  return A.completeOrthogonalDecomposition().solve(b);
+  return solveLeastSquares(A, b);
 }
 
 }  // namespace
@@ -169,13 +170,13 @@ Eigen::VectorXd CondensedContact::normalStiffness() const {
   constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions and pinned rows
   Eigen::VectorXd scale = Mcc_.diagonal();
   for (double& value : scale) value = value > 0 ? 1 / std::sqrt(value) : 0.0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * Mcc_ * scale.asDiagonal());
+  const SymmetricEigen eigen(scale.asDiagonal() * Mcc_ * scale.asDiagonal());
   Eigen::VectorXd stiffness(vectors_.numPairs());
   for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
     double compliance = 0;
     for (Eigen::Index k = 0; k < size_; ++k)
-      if (eigen.eigenvalues()[k] > kFree * eigen.eigenvalues()[size_ - 1])
-        compliance += std::pow(scale[first_ + 3 * i] * eigen.eigenvectors()(first_ + 3 * i, k), 2) / eigen.eigenvalues()[k];
+      if (eigen.values[k] > kFree * eigen.values[size_ - 1])
+        compliance += std::pow(scale[first_ + 3 * i] * eigen.vectors(first_ + 3 * i, k), 2) / eigen.values[k];
     stiffness[i] = compliance > 0 ? 1 / compliance : 0.0;
   }
   return stiffness;

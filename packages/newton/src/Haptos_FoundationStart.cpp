@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_FoundationStart.hpp"
 
-#include <Eigen/Dense>
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 namespace {
@@ -45,7 +45,7 @@ class Foundation {
     Eigen::MatrixXd sums(H_.cols(), H_.cols() + 1);
     sums << H_.transpose() * rH_, H_.transpose() * x_;
     vectors_.sum(sums);
-    return Eigen::MatrixXd(sums.leftCols(H_.cols())).completeOrthogonalDecomposition().solve(load_ - sums.rightCols(1));
+    return solveLeastSquares(sums.leftCols(H_.cols()), load_ - sums.rightCols(1));
   }
 
   // Newton, damped by springs to the ground until something descends: a body whose pairs all slip or are open has J singular.
@@ -53,9 +53,7 @@ class Foundation {
     for (double mu : options.dampings) {
       Eigen::MatrixXd J = state.J;
       J.diagonal().array() += mu * meanR_;
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
-      qr.setThreshold(kUnfelt);
-      const Eigen::VectorXd da = -qr.compute(J).solve(state.h);
+      const Eigen::VectorXd da = -solveLeastSquares(J, state.h, kUnfelt);
       if (!da.allFinite()) continue;
       for (double t = 1; t > options.shortestStep; t /= 2) {
         State next = evaluate(state.a + t * da);
@@ -88,10 +86,10 @@ FoundationState solveFoundation(const std::vector<PairLaw>& pairs, const Eigen::
   // angles are no longer mixed.  Motions that the surface does not feel get S = 0.
   Eigen::MatrixXd HH = balance.H().transpose() * balance.H();
   vectors.sum(HH);
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(HH);
-  Eigen::VectorXd scale = eigen.eigenvalues();
-  for (double& value : scale) value = value > 1e-14 * eigen.eigenvalues().maxCoeff() ? 1 / std::sqrt(value) : 0.0;
-  const Eigen::MatrixXd S = eigen.eigenvectors() * scale.asDiagonal();
+  const SymmetricEigen eigen(HH);
+  Eigen::VectorXd scale = eigen.values;
+  for (double& value : scale) value = value > 1e-14 * eigen.values.maxCoeff() ? 1 / std::sqrt(value) : 0.0;
+  const Eigen::MatrixXd S = eigen.vectors * scale.asDiagonal();
   const Eigen::MatrixXd H = balance.H() * S;
   const Eigen::VectorXd load = S.transpose() * balance.load();
   const Foundation foundation(pairs, x, r, H, load, vectors);

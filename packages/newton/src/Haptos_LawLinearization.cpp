@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_LawLinearization.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 
@@ -41,12 +42,12 @@ Eigen::MatrixXd LawLinearization::multiply(const Eigen::Ref<const Eigen::MatrixX
 
 TangentialModes TangentialModes::of(const Eigen::Matrix3d& dP, double r, double stiffness) {
   TangentialModes modes;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen(Eigen::Matrix2d(dP.bottomRightCorner<2, 2>()));
-  modes.E = eigen.eigenvectors();
+  const SymmetricEigen2 eigen(dP.bottomRightCorner<2, 2>());
+  modes.E = eigen.vectors;
   modes.stiffness = stiffness;
   for (int m = 0; m < 2; ++m) {
     // the law's compliance C in series with the body's, about 1 / k: theta is the part of a force that the body gets
-    modes.sigma[m] = std::clamp(eigen.eigenvalues()[m], 0.0, 1.0);
+    modes.sigma[m] = std::clamp(eigen.values[m], 0.0, 1.0);
     const double compliance = (1 - modes.sigma[m]) / (r * std::max(modes.sigma[m], 1e-14));
     modes.theta[m] = modes.isHeld(m) || stiffness <= 0 ? 0.0 : (1 / stiffness) / (compliance + 1 / stiffness);
   }

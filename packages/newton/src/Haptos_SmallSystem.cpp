@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SmallSystem.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_StackedQr.hpp"
 
 namespace Haptos {
@@ -34,15 +34,13 @@ SmallSystem::SmallSystem(const RecycledSubspace& subspace, const LawLinearizatio
 Eigen::VectorXd SmallSystem::solve(double damping) const {
   constexpr double kRankTolerance = 1e-12;  // pivots of columns of length 1
   const Eigen::Index m = M_.cols();
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
-  qr.setThreshold(kRankTolerance);
-  if (damping == 0) return qr.compute(M_).solve(rhs_).cwiseQuotient(scale_);
+  if (damping == 0) return solveLeastSquares(M_, rhs_, kRankTolerance).cwiseQuotient(scale_);
   // [M; sqrt(damping) I] y = [rhs; 0]
   Eigen::MatrixXd damped(M_.rows() + m, m);
   damped << M_, std::sqrt(damping) * Eigen::MatrixXd::Identity(m, m);
   Eigen::VectorXd b = Eigen::VectorXd::Zero(damped.rows());
   b.head(M_.rows()) = rhs_;
-  return qr.compute(damped).solve(b).cwiseQuotient(scale_);
+  return solveLeastSquares(damped, b, kRankTolerance).cwiseQuotient(scale_);
 }
 
 double SmallSystem::residual(const Eigen::VectorXd& y) const { return (M_ * y.cwiseProduct(scale_) - rhs_).norm(); }

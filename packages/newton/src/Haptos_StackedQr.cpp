@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_StackedQr.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_CommHelpers.hpp>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 namespace {
@@ -12,7 +13,7 @@ Eigen::MatrixXd triangleOf(Eigen::MatrixXd A) {
   const Eigen::Index n = A.cols(), rows = std::min(A.rows(), n);
   Eigen::MatrixXd R = Eigen::MatrixXd::Zero(n, n);
   if (rows == 0) return R;
-  const Eigen::HouseholderQR<Eigen::Ref<Eigen::MatrixXd>> qr(A);
+  factorQrInPlace(A);
   R.topRows(rows) = A.topRows(rows).triangularView<Eigen::Upper>();
   return R;
 }

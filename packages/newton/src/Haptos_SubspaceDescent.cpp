@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceDescent.hpp"
 
-#include <Eigen/Dense>
 #include <cmath>
 
 namespace Haptos {

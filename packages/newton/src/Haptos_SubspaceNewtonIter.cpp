@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceNewtonIter.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_Assert.hpp>
 #include <cmath>
 #include <limits>
+
+#include "Haptos_DenseDecompositions.hpp"
 
 namespace Haptos {
 
@@ -64,7 +65,7 @@ void SubspaceNewtonIter::planStep(double length, const Eigen::VectorXd& jumpChan
   Eigen::MatrixXd sums(k, k + 1);
   sums << H.transpose() * H, H.transpose() * (jumpChange - length * subspace_.Sc().col(m - 1));
   vectors_.sum(sums);
-  step_.head(k) = Eigen::MatrixXd(sums.leftCols(k)).completeOrthogonalDecomposition().solve(sums.rightCols(1));
+  step_.head(k) = solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
 // An inexact Newton step: A, B and phi stay, min || (s_E + ds_E, phi + A dlambda + B ds) || over the span of all pairs, and

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceNewtonRun.hpp"
 
-#include <Eigen/Dense>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FoundationStart.hpp"
 
 namespace Haptos {
@@ -148,7 +148,7 @@ void SubspaceNewtonRun::refreshJumps() {
     Eigen::MatrixXd sums(J.cols(), J.cols() + 1);
     sums << J.transpose() * J, J.transpose() * (state_.s - s);
     vectors_.sum(sums);
-    s += J * Eigen::MatrixXd(sums.leftCols(J.cols())).ldlt().solve(sums.rightCols(1));
+    s += J * solveByLdlt(sums.leftCols(J.cols()), sums.rightCols(1));
   }
   state_.s = s;
 }

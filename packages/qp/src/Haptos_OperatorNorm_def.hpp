@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/Eigenvalues>
 #include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_OperatorNorm.hpp"
 #include "Haptos_VectorDetails.hpp"
 
@@ -27,8 +27,8 @@ inline std::pair<double, double> largestRitzValue(const std::vector<double>& alp
     t(i, i) = alpha[i];
     if (i + 1 < k) t(i, i + 1) = t(i + 1, i) = beta[i];
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(t);
-  return {eigen.eigenvalues()[k - 1], std::abs(beta[k - 1] * eigen.eigenvectors()(k - 1, k - 1))};
+  const SymmetricEigen eigen(t);
+  return {eigen.values[k - 1], std::abs(beta[k - 1] * eigen.vectors(k - 1, k - 1))};
 }
 
 }  // namespace Details

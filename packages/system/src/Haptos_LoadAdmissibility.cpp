@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_LoadAdmissibility.hpp"
 
-#include <Eigen/Dense>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <cmath>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FrictionCone.hpp"
 
@@ -29,10 +29,10 @@ Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multi
     const Eigen::VectorXd r = GZ.row(row).transpose();
     A.noalias() += r * r.transpose();
   }
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(sumOverRanks(comm, A));
+  const SymmetricEigen eigen(sumOverRanks(comm, A));
   Eigen::Index k = 0;
-  while (k < GZ.cols() && eigen.eigenvalues()[k] <= kFree * std::max(1.0, eigen.eigenvalues().tail<1>()[0])) ++k;
-  return eigen.eigenvectors().leftCols(k);
+  while (k < GZ.cols() && eigen.values[k] <= kFree * std::max(1.0, eigen.values.tail<1>()[0])) ++k;
+  return eigen.vectors.leftCols(k);
 }
 
 // Work of the contact forces of every owned pair on the free motions: 3 rows a pair.
@@ -104,7 +104,7 @@ class RigidBalance {
     for (int i = 0; i < 200 && state.phi.norm() > 1e-9 * b_.norm(); ++i) {
       Eigen::MatrixXd J = state.J;
       J.diagonal().array() += damping;
-      const Eigen::VectorXd step = -J.ldlt().solve(state.phi);
+      const Eigen::VectorXd step = -solveByLdlt(J, state.phi);
       double t = 1;
       DualState next = evaluate(state.a + step);
       while (t > 1e-6 && next.phi.norm() > (1 - 1e-4 * t) * state.phi.norm()) next = evaluate(state.a + (t *= 0.5) * step);

@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <memory>
+#include <vector>
+
+namespace Haptos {
+
+// Decompositions of small dense matrices.  Eigen's templates cost 3 to 8 seconds of compilation wherever one of them is
+// used, so they stand in one place; the digits are Eigen's.  No function communicates.
+
+/// \brief Eigenvalues in ascending order and orthonormal eigenvectors of a symmetric matrix (its lower triangle).
+struct SymmetricEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  ///< columns
+  explicit SymmetricEigen(const Eigen::MatrixXd& A);
+};
+
+struct SymmetricEigen2 {
+  Eigen::Vector2d values;
+  Eigen::Matrix2d vectors;
+  explicit SymmetricEigen2(const Eigen::Matrix2d& A);
+};
+
+struct SymmetricEigen3 {
+  Eigen::Vector3d values;
+  Eigen::Matrix3d vectors;
+  explicit SymmetricEigen3(const Eigen::Matrix3d& A);
+};
+
+/// \brief Singular values in descending order and all right singular vectors.
+struct RightSvd {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd V;  ///< [columns of A x columns of A]
+  explicit RightSvd(const Eigen::MatrixXd& A);
+};
+
+/// \brief QR with column pivoting, Householder.
+struct PivotedQr {
+  std::vector<int> columns;  ///< the independent ones, as many as the rank
+  Eigen::MatrixXd Q;         ///< orthonormal basis of the image, all columns of A if it has full rank
+  explicit PivotedQr(const Eigen::MatrixXd& A);
+};
+
+/// \brief L D L^T with pivoting of a symmetric matrix that is positive semidefinite.
+class PivotedLdlt {
+ public:
+  explicit PivotedLdlt(const Eigen::MatrixXd& A);
+  ~PivotedLdlt();
+  /// \brief A^+ b, where pivots at or below `least` are left out.
+  Eigen::VectorXd solve(const Eigen::VectorXd& b, double least) const;
+
+ private:
+  struct Factor;
+  std::unique_ptr<const Factor> factor_;
+};
+
+Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);  ///< A symmetric
+Eigen::VectorXd solveByLu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);    ///< A regular, partial pivoting
+
+/// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
+/// \param threshold pivots below this part of the largest are zero; 0: round-off
+Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);
+
+/// \brief Orthonormal basis of the image of A, whose columns are independent; Householder.
+Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A);
+
+/// \brief Overwrites A by the triangle R of A = Q R and, below it, by what makes Q.
+void factorQrInPlace(Eigen::MatrixXd& A);
+
+}  // namespace Haptos
