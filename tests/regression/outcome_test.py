@@ -221,6 +221,26 @@ class NotConverged(SceneTest):
         reason = self.summary()["solver"]["reason"]
         self.assertIn("coefficients of friction of 'joint' differ by a factor of 1000", reason)
 
+    def test_remedies_are_named(self):
+        """Each remedy where it helps, and only there."""
+        dirichlet = "set Preconditioner->Type to Dirichlet"
+        steep = "a coefficient of friction of 'joint' is 1.5: above 1 there may be no or several solutions"
+        for kind, coefficient, named in (("Dirichlet", 0.3, ()), ("Lumped", 0.3, (dirichlet,)), ("Dirichlet", 1.5, (steep,))):
+            scene = stack(Solver={"Maximum Hessian Multiplications": 5}, Preconditioner={"Type": kind})
+            scene["Contact"]["joint"]["Friction"]["Coefficients"] = [coefficient, coefficient]
+            self.assertEqual(self.run_scene(scene).status, 2)
+            reason = self.summary()["solver"]["reason"]
+            for remedy in (dirichlet, steep):
+                self.assertEqual(remedy in reason, remedy in named, reason)
+
+    def test_memory_is_named(self):
+        """Pairs that were dropped are named as the reason, pairs that all stayed are not."""
+        for pairs, dropped in ((20, True), (60, False)):
+            summary = two_beams(self, 1, 2, Solver__Relative_Tolerance=1e-10, Solver__Maximum_Hessian_Multiplications=28,
+                                Solver__Maximum_Recycled_Pairs=pairs)
+            self.assertEqual(summary["solver"]["subspace"]["compressions"] > 0, dropped)
+            self.assertEqual("raise Solver->Maximum Recycled Pairs (%d)" % pairs in summary["solver"]["reason"], dropped)
+
     def test_too_few_multiplications(self):
         for ranks in RANKS:
             with self.subTest(ranks=ranks):

@@ -41,6 +41,32 @@ TEUCHOS_UNIT_TEST(GluingBalance, RigidPartsLeaveNoGluingJump) {
   }
 }
 
+// contactChangesGGT: the matrix of the gluing rows is G G^T without what contact rows added; kept promises save a factor, no more.
+TEUCHOS_UNIT_TEST(GluingBalance, SharesTheEliminationOfGGT) {
+  for (const bool floating : {false, true}) {
+    Parts t(kGroups, kGluing, floating);
+    const DenseVector v = numbers(t.GT.rows(), 0.4), s = numbers(t.GT.rows(), 0.9), target = numbers(t.GT.cols(), 1.7);
+    const auto results = [&](const GluingBalance& balance) {
+      Eigen::VectorXd balanced = t.local(v), freed = t.local(s);
+      balance.balance(balanced, target);
+      balance.removeRigidPart(freed);
+      return std::array{t.global(balanced), t.global(freed)};
+    };
+    const Eigen::VectorXd& isGluing = t.balance.isGluing();
+    std::vector<double> gluing(isGluing.data(), isGluing.data() + isGluing.size()), contact, all(gluing.size(), 1.0);
+    for (double one : gluing) contact.push_back(1.0 - one);
+    ContactOperators dual = t.dual;
+    dual.contactChangesGGT = true;
+    const auto differences = [&](const std::vector<double>& fixed, const std::vector<double>& changing) {
+      dual.GGT = rcp(new CoarseProblem(t.dual.GGT->placement(), {*dual.GT, fixed}, {*dual.GT, changing}, dual.holds, CoarseProblem::Factor::Now));
+      const auto found = results(GluingBalance(dual, t.vectors)), wanted = results(t.balance);
+      return std::array{(found[0] - wanted[0]).norm() / wanted[0].norm(), (found[1] - wanted[1]).norm() / wanted[1].norm()};
+    };
+    for (double difference : differences(gluing, contact)) TEST_COMPARE(difference, <, 1e-10);
+    for (double difference : differences(all, contact)) TEST_COMPARE(difference, >, 1e-3);  // a promise that is not kept
+  }
+}
+
 TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
   Parts held(kGroups, kGluing, false), t(kGroups, kGluing, true);
   TEST_EQUALITY(held.balance.numFloating(), 0);
