@@ -80,6 +80,7 @@ struct AlikeRows {
   const double* weights;  // [rows]
 };
 
+// Whether columns come as six of a subdomain; else the row is padded with zeros, so that there is one kernel for all.
 bool hasWholeSubdomains(const int* columns, int length) {
   bool whole = length % kModes == 0;
   for (int i = 0; i < length && whole; i += kModes) whole = columns[i] % kModes == 0 && columns[i + kModes - 1] == columns[i] + kModes - 1;
@@ -155,6 +156,7 @@ CoarseBlocks::CoarseBlocks(const CoarseRows& C, const std::vector<double>& q) {
   }
 }
 
+// Entries of w w^T in the lower triangle of blocks, the whole of a diagonal block.
 CoarseBlocks::CoarseBlocks(const std::vector<Eigen::SparseVector<double>>& vectors) {
   for (const auto& w : vectors)
     for (Eigen::SparseVector<double>::InnerIterator i(w); i; ++i)
@@ -232,6 +234,7 @@ CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eig
   matrix_.outerIndexPtr()[size] = at;
 }
 
+// Six columns of block row s: a block's column is contiguous in each, `found` of its rows lie before it.
 void CoarseMatrix::addBlock(int s, int t, const Block& block) {
   const auto& rows = rowsOfColumn_[std::size_t(t)];
   const auto found = std::lower_bound(rows.begin(), rows.end(), s);
@@ -242,6 +245,7 @@ void CoarseMatrix::addBlock(int s, int t, const Block& block) {
   }
 }
 
+// Blocks of the lower triangle and their transposes, into both triangles: sparse solvers are given whole columns.
 void CoarseMatrix::set(const std::vector<const CoarseBlocks*>& parts) {
   std::fill_n(matrix_.valuePtr(), matrix_.nonZeros(), 0.0);
   for (const CoarseBlocks* part : parts)

@@ -29,6 +29,7 @@ class Measured {
   CommunicationCounts before_ = communicationSoFar();
 };
 
+// Those with a diagonal block: every row that touches a subdomain adds to that.
 std::vector<int> subdomainsOf(const CoarseBlocks& blocks) {
   std::vector<int> subdomains;
   for (const auto& [key, block] : blocks.blocks())
@@ -154,6 +155,7 @@ void CoarseProblem::factorCondensed() {
   condensed_->renew(changingBlocks_);
 }
 
+// b on the holders, empty elsewhere; x on all.
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
   Eigen::MatrixXd x(rows, columns);
   if (factor_) factor_->solve(b, x);
@@ -173,6 +175,7 @@ Eigen::MatrixXd CoarseProblem::solve(const Eigen::MatrixXd& b) const {
   return solveOnHolders(b, b.rows(), b.cols());
 }
 
+// One reduction to the holders, a solve there, a broadcast from them; with a factor on every rank the reduction alone.
 Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen::MatrixXd& shift) const {
   const Measured measured(placement_->costs().solveSeconds, placement_->costs().solveSent);
   Eigen::MatrixXd b = placement_->sum(mine);

@@ -20,7 +20,7 @@ namespace {
 
 constexpr int kModes = CoarseBlocks::kModes;
 
-// Unknowns of a list of subdomains.
+// Unknowns of a list of subdomains, in its order: all six stay together in any order of elimination.
 std::vector<int> expanded(const std::vector<int>& subdomains) {
   std::vector<int> unknowns;
   unknowns.reserve(subdomains.size() * kModes);
@@ -164,6 +164,7 @@ void OrderedMatrix::makePattern(const CoarseSchur::Parts& A) {
   columns_.values.assign(columns_.rows.size(), 0.0);
 }
 
+// Columns of block column t shorten by one each: column 6 t + b begins with its diagonal entry, row 6 t + b.
 void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
   const int s = position_[std::size_t(CoarseBlocks::row(key))], t = position_[std::size_t(CoarseBlocks::column(key))];
   const auto& rows = rowsOfColumn_[std::size_t(std::min(s, t))];
@@ -282,6 +283,7 @@ void CoarseSchur::subtractFromSchur(const SupernodeView& L, Eigen::MatrixXd& sch
   }
 }
 
+// To where the last subdomains lie in S; blocks of others, and between them and the last, are no business of S.
 void CoarseSchur::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const {
   for (const auto& [key, block] : blocks.blocks()) {
     const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];

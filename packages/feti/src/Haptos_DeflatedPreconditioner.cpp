@@ -29,8 +29,8 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
   }
 }
 
-// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  Both factors lie with their contact rows; g = Y_c^T x
-// is summed over the ranks, and K^+ is in YK = Y_c K^+ already.
+// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  Both factors lie with their
+// contact rows; g = Y_c^T x is summed over the ranks, and K^+ is in YK = Y_c K^+ already.
 class DeflatedContactBlock final : public Operator {
  public:
   DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
@@ -75,8 +75,8 @@ DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> bas
   findMotions(slender);
 }
 
-// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones, which take the dense S apart
-// into L^T L for good: S itself has lost the energies of soft motions to round-off, L has not.
+// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones, which take the dense
+// S apart into L^T L for good: S itself has lost the energies of soft motions to round-off, L has not.
 void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   const LocalSystems& systems = base_->systems();
   for (int c = 0; c < systems.numClasses(); ++c) {
@@ -98,7 +98,8 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   }
 }
 
-// t := t - B_D^T B t, the mean of the copies weighted by stiffness, at closed contact of both sides too: B t = 0 after it, as B B_D^T = 1
+// t := t - B_D^T B t, the mean of the copies weighted by stiffness, at closed contact of both sides too: B t = 0 after it, as
+// B B_D^T = 1
 void DeflatedPreconditioner::average(MultiVector& t) const {
   MultiVector jumps(getRangeMap(), t.getNumVectors()), half(t.getMap(), t.getNumVectors());
   base_->jump().apply(t, jumps);

@@ -24,8 +24,9 @@ bool isSlender(const Subdomain& subdomain) {
   return squares[2] > kRatio * kRatio * squares[0];
 }
 
-// S w = mu D w, D = diag S, as A = D^-1/2 S D^-1/2 with eigenvectors D^1/2 w.  Rigid motions have mu = 0 up to round-off, which would mix
-// with soft ones: they are shifted beyond the spectrum, by 2 tr A, and their mu is set to 0.  With V the eigenvectors, S = L^T L, L = mu^1/2 V^T D^1/2.
+// S w = mu D w, D = diag S, as A = D^-1/2 S D^-1/2 with eigenvectors V = D^1/2 W.  Rigid motions have mu = 0 up to round-off, which
+// would mix them with soft ones: they are shifted beyond the spectrum, by 2 tr A, and their mu is set to 0.  S = L^T L with
+// L = mu^1/2 V^T D^1/2.
 SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, double softest) {
   const Eigen::VectorXd root = S.diagonal().cwiseSqrt(), inverse = root.cwiseInverse();
   Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal();

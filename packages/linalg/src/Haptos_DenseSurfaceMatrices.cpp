@@ -21,6 +21,7 @@ MatrixXd rowsOf(const Eigen::Ref<const MatrixXd>& A, const std::vector<int>& row
   return part;
 }
 
+// The unknowns that are not listed, ascending, as the listed are.
 std::vector<int> complement(Index n, const std::vector<int>& listed) {
   std::vector<int> rest;
   std::size_t next = 0;
@@ -51,6 +52,8 @@ Storage storageFor(std::size_t members) { return members > 2 ? Storage::Full : S
 
 }  // namespace
 
+// One factor of K_ii for S, P and right-hand sides inside.  Without one, where a surface does not hold its interior, callers
+// take solves.
 DenseSurfaceMatrices::DenseSurfaceMatrices(const SparseMatrix& K, const MatrixXd& kernel, const std::vector<int>& boundary,
                                      std::size_t members, Scope scope)
     : kernel_(kernel), boundary_(boundary), interior_(complement(K.rows(), boundary)), storage_(storageFor(members)) {
@@ -124,6 +127,7 @@ void DenseSurfaceMatrices::solve(const Eigen::Ref<const MatrixXd>& B, Eigen::Ref
   X -= kernel_ * rigid;
 }
 
+// || K R || <= 1e-8 || K ||, R orthonormal: round-off leaves 1e-14, what is no motion of K far more
 void DenseSurfaceMatrices::requireKernel(const SparseMatrix& K) const {
   const double error = (K * kernel_).norm() / K.norm();
   TEUCHOS_TEST_FOR_EXCEPTION(!(error <= 1e-8), std::runtime_error,

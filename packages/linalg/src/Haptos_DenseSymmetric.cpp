@@ -83,12 +83,14 @@ void solveLower(const Eigen::MatrixXd& L, Eigen::MatrixXd& B) {
                                     int(B.rows()), int(B.cols()), 1.0, L.data(), leading(L), B.data(), leading(B));
 }
 
+// SYRK: half of the operations of A^T A by GEMM
 void subtractGram(const Eigen::MatrixXd& A, Eigen::MatrixXd& C) {
   if (A.size() == 0) return;
   Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, int(A.cols()), int(A.rows()), -1.0, A.data(), leading(A),
                                     1.0, C.data(), leading(C));
 }
 
+// SYR2K: both products at the price of one, one triangle written
 void addSymmetricProduct(double alpha, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& C) {
   if (A.size() == 0) return;
   const int n = int(A.rows()), k = int(A.cols()), lda = leading(A), ldb = leading(B), ldc = leading(C);
@@ -107,6 +109,7 @@ void unpackLower(const std::vector<double>& packed, Eigen::MatrixXd& A) {
 
 }  // namespace Lapack
 
+// Single precision holds A / scale, scale the largest diagonal entry.
 DenseSymmetric::DenseSymmetric(const Eigen::MatrixXd& lower, Storage storage, Precision precision)
     : n_(lower.rows()), storage_(storage) {
   TEUCHOS_ASSERT(lower.rows() == lower.cols());
@@ -145,6 +148,7 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   Y = y.cast<double>() * (scale_ * unit);
 }
 
+// Entry (i, j), i >= j: column j of the packed triangle begins at j n - j (j - 1) / 2 with (j, j).
 Eigen::MatrixXd DenseSymmetric::block(const std::vector<int>& c) const {
   const Eigen::Index m = Eigen::Index(c.size());
   const auto at = [&](Eigen::Index i, Eigen::Index j) {  // i >= j

@@ -14,6 +14,7 @@ namespace {
 // Columns solved at once: wide enough for matrix-matrix products, narrow enough to bound the workspace.
 constexpr Eigen::Index blockWidth = 64;
 
+/// K_reg with all three unknowns of every fixing node.
 Eigen::SparseMatrix<double> regularizeOnNodes(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
                                               const std::vector<int>& nodes) {
   std::vector<int> unknowns;
@@ -39,6 +40,7 @@ LocalSolver::LocalSolver(const Eigen::SparseMatrix<double>& K, std::shared_ptr<c
 LocalSolver::~LocalSolver() = default;
 LocalSolver::LocalSolver(LocalSolver&&) noexcept = default;
 
+/// || K R w || <= 1e-8 || K || for one motion R w: round-off leaves 1e-14, what is no motion of K far more.
 void LocalSolver::checkKernel(const Eigen::SparseMatrix<double>& K) const {
   // One motion that has a share of every column: a column of its own each costs six products.
   const Eigen::VectorXd motion = *kernel_ * Eigen::VectorXd::LinSpaced(kernel_->cols(), 1.0, 1.5);

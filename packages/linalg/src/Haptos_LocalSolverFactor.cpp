@@ -97,6 +97,7 @@ struct LocalSolverFactor::Impl {
   }
 };
 
+// Amesos2 wants Tpetra's matrices; A's columns are its rows, by symmetry, so arrays are copied as they are.
 LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision)
     : impl_(std::make_unique<Impl>()) {
   TEUCHOS_ASSERT(A.rows() == A.cols() && A.rows() > 0);
@@ -138,6 +139,7 @@ void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen:
 
 Eigen::Index LocalSolverFactor::rows() const { return impl_->rows; }
 
+// Of solvers of others it is not known whether they look at the matrix again.
 void LocalSolverFactor::releaseMatrix() {
 #if defined(HAPTOS_OWN_CHOLMOD)
   const auto own = Teuchos::rcp_dynamic_cast<CholmodSolver<CrsMatrix, MultiVector>>(impl_->solver);

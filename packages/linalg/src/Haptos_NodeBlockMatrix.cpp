@@ -67,6 +67,7 @@ HAPTOS_INLINE void addColumns(const BlockView& A, const float* x, float* y) {
 HAPTOS_CLONES void addGeneral(const BlockView& A, const float* x, float* y) { addColumns<false>(A, x, y); }
 HAPTOS_CLONES void addSymmetric(const BlockView& A, const float* x, float* y) { addColumns<true>(A, x, y); }
 
+// y_j -= sum of A_ij^T x_i over the blocks of column j: sums stay in registers, y is written once a column
 HAPTOS_CLONES void subtractTransposedColumns(const BlockView& A, const float* x, float* y) {
   for (int j = 0; j < A.columns; ++j) {
     ColumnSums sums;
@@ -109,6 +110,7 @@ NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std
   row_.shrink_to_fit();
 }
 
+// y += A x; of a symmetric part the kept triangle and its transpose in one pass, so that a block is read once for two products
 void NodeBlockMatrix::add(const float* x, float* y) const {
   const BlockView A{numColumns(), starts_.data(), row_.data(), entries_.data()};
   if (symmetric_) addSymmetric(A, x, y);

@@ -65,6 +65,7 @@ void SupernodalFactor<Scalar>::append(const Supernode& node, const double* block
   }
 }
 
+// T with zeros above and its own diagonal again, as BLAS wants it: many right-hand sides pay for the copy.
 template <class Scalar>
 typename SupernodalFactor<Scalar>::Matrix SupernodalFactor<Scalar>::triangleOf(const Supernode& node) const {
   Matrix T = Matrix::Zero(node.columns, node.columns);

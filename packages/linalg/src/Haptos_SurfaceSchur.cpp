@@ -68,6 +68,7 @@ void pad(const Eigen::Ref<const Eigen::VectorXd>& x, double factor, Eigen::Ref<E
     padded.segment<4>(to) << (factor * x.segment<3>(i)).cast<float>(), 0.0f;
 }
 
+/// The fourth entry of a node is whatever a product left there.
 void unpad(const Eigen::Ref<const Eigen::VectorXf>& padded, double factor, Eigen::Ref<Eigen::VectorXd> x) {
   for (Eigen::Index i = 0, from = 0; i < x.size(); i += 3, from += NodeBlockMatrix::kPadded)
     x.segment<3>(i) = factor * padded.segment<3>(from).cast<double>();
@@ -116,6 +117,7 @@ SurfaceSchur SurfaceSchur::lumped(const Eigen::SparseMatrix<double>& K, const st
 SurfaceSchur::~SurfaceSchur() = default;
 SurfaceSchur::SurfaceSchur(SurfaceSchur&&) noexcept = default;
 
+/// Parts of K as they are multiplied by: in double as sparse matrices, in single precision as blocks between nodes.
 void SurfaceSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, const std::vector<int>& interior,
                       FactorPrecision precision) {
   size_ = Eigen::Index(boundary.size());
@@ -187,6 +189,7 @@ void SurfaceSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen
   }
 }
 
+/// K_bb(:, c) and K_ib(:, c), in double whatever they are kept in
 SurfaceSchur::Parts SurfaceSchur::columns(const std::vector<int>& c) const {
   if (isSingle_) return {single_.Kbb.columns(c), single_.Kib.columns(c)};
   const auto of = [&](const Eigen::SparseMatrix<double>& K) { return extract(K, complement(K.rows(), {}), c); };

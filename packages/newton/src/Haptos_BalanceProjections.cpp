@@ -16,7 +16,7 @@ Eigen::VectorXd markGluingRows(const DualVectors& vectors) {
 
 std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
-// Contact values without those of rows that never carry a force.
+// Contact values without those of rows that never carry a force: a motion along them is answered by nothing.
 Eigen::VectorXd carried(Eigen::VectorXd values, const std::vector<PairLaw>& pairs) {
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (int t = 0; t < 2; ++t)
@@ -29,6 +29,7 @@ Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors
   constexpr double kUnfelt = 1e-10;  // of the largest eigenvalue; a single node gives about 1, round-off 1e-30
   Eigen::MatrixXd gram = H.transpose() * H;
   vectors.sum(gram);
+  // gram = V diag(mu) V^T: combinations V with mu > 0 are felt
   const SymmetricEigen eigen(gram);
   Eigen::Index unfelt = 0;
   while (unfelt < gram.cols() && eigen.values[unfelt] <= kUnfelt * std::max(1.0, eigen.values.tail<1>()[0])) ++unfelt;

@@ -71,8 +71,8 @@ Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& 
   return q;
 }
 
-// By Woodbury (M^-1 + E C E^T)^-1 r = M (r - E q), where q = C E^T z is the jump of the springs.  On modes the vector that comes in is
-// r_theta = sqrt(theta) r, the one that goes out z_theta = z / sqrt(theta).
+// By Woodbury (M^-1 + E C E^T)^-1 r = M (r - E q), where q = C E^T z is the jump of the springs.  On modes the vector that
+// comes in is r_theta = sqrt(theta) r, the one that goes out z_theta = z / sqrt(theta).
 Eigen::VectorXd CompliantPreconditioner::apply(const Eigen::VectorXd& r) const {
   if (!isNeeded_) return vectors_.apply(*dual_.M, r);
   Eigen::VectorXd w = r;

@@ -19,6 +19,7 @@ Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
 
 }  // namespace
 
+// Column j of M_cc is M applied to unit force j; every rank has its own rows of it, then all have all.
 CondensedContact::CondensedContact(RCP<const Operator> M, const Operator& contactM, const DualVectors& vectors,
                                    SubspaceNewtonOptions::Condensed options)
     : M_(std::move(M)), vectors_(vectors), options_(options) {
@@ -34,7 +35,7 @@ CondensedContact::CondensedContact(RCP<const Operator> M, const Operator& contac
     rows.col(j) = vectors.applyOnContact(contactM, unit);
   }
   Mcc_ = onAllRanks(rows);
-  // symmetric but for round-off and single precision: phi of the model has a symmetric stiffness then
+  // as M is, but for round-off and the single precision of its parts
   Mcc_ = (0.5 * (Mcc_ + Mcc_.transpose())).eval();
 }
 
@@ -117,6 +118,7 @@ struct CondensedContact::Model {
   }
 };
 
+// What the pairs of all ranks bring goes to all of them in one sum; the dense system is then the same everywhere, and so is sigma.
 Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const {
   const Eigen::Index pairs = vectors_.numPairs();
   Eigen::MatrixXd part(3 * pairs, 6);  // phi, (M s_E)_c, P', r
@@ -139,6 +141,7 @@ Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, c
   return response(s, Model::step(Mcc_, global, rhs));
 }
 
+// The pairs' laws travel as numbers, since every rank projects all pairs; sigma = 0, nothing moves, is where Newton starts.
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
                                                  const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) const {
   const Eigen::Index n = vectors_.numPairs();

@@ -12,7 +12,7 @@
 namespace Haptos {
 namespace {
 
-// Some rows of M, of all columns or of the same.
+// Some rows of M, of all columns or of the same: M(rows, :) or M(rows, rows) by M itself, for whoever gives nothing cheaper.
 class RowsOfOperator final : public Operator {
  public:
   enum class Columns { All, Same };
@@ -66,6 +66,7 @@ RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vect
   return Teuchos::rcp(new RowsOfOperator(M, contactRows(pairs), RowsOfOperator::Columns::Same));
 }
 
+// What can be checked without work is: the rest, such as G M = 0 of a deflated M, is the caller's promise.
 ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector>& lambda)
     : Belos::LinearProblem<double, MultiVector, Operator>(operators.F, lambda, operators.h), operators_(std::move(operators)) {
   ContactOperators& o = operators_;

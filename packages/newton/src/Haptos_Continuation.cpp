@@ -13,6 +13,7 @@ std::vector<PairLaw> scaledCoefficients(std::vector<PairLaw> pairs, double facto
   return pairs;
 }
 
+// The ellipse grows along its short axis only, so that what sticks at a rounder level may slip later, not the other way round.
 std::vector<PairLaw> roundedEllipses(std::vector<PairLaw> pairs, double least) {
   for (auto& pair : pairs) {
     const double largest = std::max(pair.coefficients[0], pair.coefficients[1]);
@@ -32,12 +33,14 @@ double largestAxisRatio(const std::vector<PairLaw>& pairs, const Communicator& c
   return all;
 }
 
+// F_small >= b F_large with b = 1 / start, 1 / (start factor), ... as long as it changes anything: b > 1 / ratio.
 std::vector<std::vector<PairLaw>> axisRatioLevels(const std::vector<PairLaw>& pairs, double ratio, double start, double factor) {
   std::vector<std::vector<PairLaw>> levels;
   for (double b = 1 / start; b * ratio > 1; b /= factor) levels.push_back(roundedEllipses(pairs, b));
   return levels;
 }
 
+// Larger coefficients come last: nearest to the true ones.
 FrictionLevels ContinuationPolicy::first(bool mindsAxisRatio) const {
   FrictionLevels levels{{}, options_.levelTolerance, options_.levelPatience};
   if (isElongated() && mindsAxisRatio) levels.laws = axisRatioLevels(pairs_, ratio_, options_.firstAxisRatio, options_.axisRatioStep);
@@ -45,6 +48,7 @@ FrictionLevels ContinuationPolicy::first(bool mindsAxisRatio) const {
   return levels;
 }
 
+// By axis ratios where those are what is hard, in small steps from nearly round.
 FrictionLevels ContinuationPolicy::detour(int restart) const {
   FrictionLevels levels{{}, options_.detourTolerance, options_.detourPatience};
   if (isElongated()) {

@@ -24,6 +24,7 @@ Vector viewOf(const RCP<const Map>& map, Eigen::VectorXd& values) {
   return Vector(map, DualView(view, view));
 }
 
+// Where no view can be had, or the Vector is to live longer than the array.
 RCP<Vector> copyOf(const RCP<const Map>& map, const Eigen::VectorXd& values) {
   auto v = Teuchos::rcp(new Vector(map));
   const auto data = v->getDataNonConst(0);
@@ -42,6 +43,8 @@ std::vector<int> contactRows(const std::vector<PairLaw>& pairs) {
   return rows;
 }
 
+// Operators on contact rows number them in ascending order of the rows; contact values come pair by pair: placeOf_ leads from one to
+// the other.
 DualVectors::DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, std::vector<int> gluingRows)
     : map_(std::move(map)), pairs_(pairs), numRows_(Eigen::Index(localNumElements(*map_))), gluingRows_(std::move(gluingRows)) {
   const std::vector<int> rows = contactRows(pairs);
@@ -51,12 +54,14 @@ DualVectors::DualVectors(RCP<const Map> map, const std::vector<PairLaw>& pairs, 
       placeOf_.push_back(row < 0 ? -1 : int(std::lower_bound(rows.begin(), rows.end(), row) - rows.begin()));
 }
 
+// x_E
 Eigen::VectorXd DualVectors::gluing(const Eigen::VectorXd& x) const {
   Eigen::VectorXd part(Eigen::Index(gluingRows_.size()));
   for (std::size_t i = 0; i < gluingRows_.size(); ++i) part[Eigen::Index(i)] = x[gluingRows_[i]];
   return part;
 }
 
+// x_c, zeros where a pair has no tangential rows
 Eigen::VectorXd DualVectors::contact(const Eigen::VectorXd& x) const {
   Eigen::VectorXd values(3 * numPairs());
   for (Eigen::Index i = 0; i < numPairs(); ++i) {
@@ -101,6 +106,7 @@ Eigen::VectorXd DualVectors::applyToContact(const Operator& op, const Eigen::Vec
   return values;
 }
 
+// Contact values without a row of their own do not act.
 Eigen::VectorXd DualVectors::applyOnContact(const Operator& op, const Eigen::VectorXd& values) const {
   Eigen::VectorXd rows(numContactRows_);
   for (Eigen::Index i = 0; i < values.size(); ++i)

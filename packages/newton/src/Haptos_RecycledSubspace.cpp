@@ -45,11 +45,13 @@ Eigen::VectorXd RecycledSubspace::jumps(const Eigen::VectorXd& y) const {
   return s;
 }
 
+// lambda += V y, s += S y
 void RecycledSubspace::addCombination(const Eigen::VectorXd& y, Eigen::VectorXd& lambda, Eigen::VectorXd& s) const {
   V_.addProduct(y, lambda);
   s += jumps(y);
 }
 
+// R, V_c and S_c are small beside V and Q: they may move when they grow.
 void RecycledSubspace::growDense() {
   constexpr Eigen::Index kFirst = 32;  // most runs need no more
   const Eigen::Index capacity = std::max(kFirst, 2 * R_.cols());
@@ -91,6 +93,7 @@ double RecycledSubspace::add(const Eigen::VectorXd& v, const Eigen::VectorXd& s)
   return size;
 }
 
+// Q^T s_E and || s_E ||^2 in one sum: what lies outside of Q is their difference.
 RecycledSubspace::Projected RecycledSubspace::projectGluing(const Eigen::VectorXd& gluing) const {
   Eigen::VectorXd sums(size_ + 1);
   sums << Q_.transposedTimes(gluing), gluing.squaredNorm();

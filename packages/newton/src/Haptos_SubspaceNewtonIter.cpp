@@ -7,6 +7,14 @@
 
 #include "Haptos_DenseDecompositions.hpp"
 
+// One step, at (lambda, s) with G lambda = e and s = h - F lambda + G^T a:
+//
+//   v    := direction for the residual (s_E, phi)       M, the coarse matrix, the law: `NewtonDirection`
+//   s_v  := - F v + G^T a,  G_E s_v,E = 0               the only F; (v, s_v) joins the pairs
+//   min over y of || (s_E + S_E y, phi(lambda_c + V_c y, s_c + S_c y)) ||     Gauss-Newton: `SubspaceDescent`
+//   (lambda, s) := (lambda + V y, s + S y)
+//
+// Where the residual hardly falls: another r, then directions for one frozen linearisation, then condensed directions.
 namespace Haptos {
 
 SubspaceNewtonIter::SubspaceNewtonIter(const Parts& parts, Eigen::VectorXd r, const SubspaceNewtonOptions::Steps& options)
@@ -24,7 +32,7 @@ void SubspaceNewtonIter::linearize(const NewtonState& state) {
   measure(state);
 }
 
-// law_ is that of the state already
+// || (s_E, phi) || with law_, which is that of the state already.
 void SubspaceNewtonIter::measure(const NewtonState& state) {
   norm_ = std::sqrt(vectors_.sum(vectors_.gluing(state.s).squaredNorm() + law_.phi.squaredNorm()));
 }
@@ -92,6 +100,7 @@ void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits
   }
 }
 
+// So many F since the residual was last halved; twice the patience within a pass, which should not be cut off.
 bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) const {
   return limits.stall > 0 && applications() - halvedAt_ >= long(linear_ ? options_.linearPatience * patience : patience) * limits.stall;
 }
@@ -132,7 +141,7 @@ void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   if (another) {
     r_ = baseR_ * options_.penalties[std::size_t(penaltyTried_)];
     linearize(state);
-    bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
+    bestNorm_ = halved_ = std::numeric_limits<double>::infinity();  // phi with another r cannot be compared
     return;
   }
   linear_ = true;
@@ -140,7 +149,7 @@ void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   halvedAt_ = applications();  // an inexact Newton step needs many directions before it pays
 }
 
-// Frozen linearisations end after two good steps in a row of passes; one that moved nothing must add a direction the next time.
+// Linearisations are frozen until two passes were good; one that moved nothing must add a direction the next time.
 void SubspaceNewtonIter::chooseMode(double before) {
   idle_ = linear_ && norm_ > options_.idle * before;
   if (!linear_) return;
@@ -164,6 +173,7 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
   halvedAt_ = 0;
 }
 
+// By the caller's test, or by the residual relative to the jumps of the start.
 bool SubspaceNewtonIter::isAccepted(const NewtonState& state, const NewtonLimits& limits) const {
   const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
   return limits.accept ? limits.accept(state.lambda, state.s, relative) : relative <= limits.tolerance;
@@ -199,7 +209,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
   for (;; ++steps_) {
     window_.push_back(norm_);
     const bool done = isAccepted(state, limits);
-    if (done || norm_ < bestNorm_) best = state;
+    if (done || norm_ < bestNorm_) best = state;  // what is given back where it ends without success
     bestNorm_ = std::min(bestNorm_, norm_);
     if (done) stop = NewtonStop::Converged;
     if (done || applications() >= limits.maxApplications) break;

@@ -26,7 +26,7 @@ struct NewtonLimits {
 /// Unknowns (lambda, s) obey s_E = 0 on gluing rows and phi(lambda, s) = 0 on contact pairs.  Every step adds one
 /// pair (v, -F v + rigid part) in the direction of the preconditioned Newton residual; a few Gauss-Newton steps then
 /// solve the law inside the whole subspace, which needs no F.  Where that stalls, the linearisation is frozen and
-/// directions are added for the linear residual (an inexact Newton step), until two good steps in a row.
+/// directions are added for the linear residual (an inexact Newton step), until there were two good steps.
 class SubspaceNewtonIter {
  public:
   /// References are kept.

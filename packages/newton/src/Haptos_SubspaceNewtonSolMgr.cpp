@@ -44,6 +44,7 @@ SubspaceNewtonOptions optionsFrom(const ParameterList& p) {
   return options;
 }
 
+// Bounds of parameters that are numbers.
 struct Rule {
   const char* name;
   double low;
@@ -105,6 +106,7 @@ void SubspaceNewtonSolMgr::reset(const Belos::ResetType type) {
   reason_.clear();
 }
 
+// Made at the first use: what it needs, a problem, comes after the construction that Belos asks for.
 SubspaceNewtonRun& SubspaceNewtonSolMgr::run() {
   TEUCHOS_TEST_FOR_EXCEPTION(problem_.is_null(), std::invalid_argument, "Haptos Subspace Newton: call setProblem first");
   if (!run_) run_ = std::make_unique<SubspaceNewtonRun>(problem_->operators(), *problem_->getLHS()->getVector(0), *options_, hooks_);
