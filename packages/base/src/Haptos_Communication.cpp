@@ -18,6 +18,7 @@ CommunicationCounts& CommunicationCounts::operator+=(const CommunicationCounts& 
   return *this;
 }
 
+// What happened between two looks at the counters.
 CommunicationCounts operator-(CommunicationCounts later, const CommunicationCounts& earlier) {
   later.reductions -= earlier.reductions;
   later.collectives -= earlier.collectives;
@@ -31,6 +32,7 @@ void setCommunicationSource(CommunicationCounts (*source)()) { countsOf = source
 
 bool isCommunicationCounted() { return countsOf != nullptr; }
 
+// Zeros where nobody counts: a library must not define MPI_* for its users (decisions/013).
 CommunicationCounts communicationSoFar() { return countsOf ? countsOf() : CommunicationCounts{}; }
 
 }  // namespace Haptos

@@ -7,6 +7,7 @@
 namespace Haptos {
 namespace {
 
+// Eigenvalues ascend.
 template <class Result, class Matrix>
 void decompose(const Matrix& A, Result& result) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);

@@ -7,6 +7,7 @@
 
 namespace Haptos {
 
+// A P = Q R: the columns of A that pivoting finds independent, and Q.
 PivotedQr::PivotedQr(const Eigen::MatrixXd& A) {
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   for (Eigen::Index k = 0; k < qr.rank(); ++k) columns.push_back(qr.colsPermutation().indices()[k]);
@@ -20,6 +21,7 @@ struct PivotedLdlt::Factor : Eigen::LDLT<Eigen::MatrixXd> {
 PivotedLdlt::PivotedLdlt(const Eigen::MatrixXd& A) : factor_(std::make_unique<Factor>(A)) {}
 PivotedLdlt::~PivotedLdlt() = default;
 
+// P A P^T = L D L^T, x = P^T L^-T D^+ L^-1 P b: pivots that are round-off count as 0.
 Eigen::VectorXd PivotedLdlt::solve(const Eigen::VectorXd& b, double least) const {
   Eigen::VectorXd x = factor_->transpositionsP() * b;
   factor_->matrixL().solveInPlace(x);

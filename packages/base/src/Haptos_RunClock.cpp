@@ -28,6 +28,7 @@ RunClock::Scope::~Scope() {
   if (clock_) clock_->stop();
 }
 
+// A phase within another stops that one's clock until it ends.
 RunClock::Scope RunClock::time(Phase phase) {
   credit();
   running_.push_back(phase);
@@ -58,6 +59,7 @@ double RunClock::seconds(Phase phase) const {
 
 double RunClock::total() const { return now_() - start_; }
 
+// The slowest rank of each phase: their sum is more than the total where ranks wait for each other in different phases.
 PhaseTimes RunClock::slowest(const Communicator& comm) const {
   std::array<double, numPhases + 1> mine, largest;
   for (std::size_t i = 0; i < numPhases; ++i) mine[i] = seconds(Phase(i));
@@ -81,6 +83,7 @@ CommunicationCounts unpacked(const long long* n) { return {long(n[0]), long(n[1]
 
 }  // namespace
 
+// The counts so far come first: what this call itself sends is not in them.
 std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine) {
   const auto numbers = packed(mine);
   std::vector<long long> all(kNumbers * std::size_t(comm.getSize()));

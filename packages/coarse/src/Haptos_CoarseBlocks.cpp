@@ -40,6 +40,7 @@ class RecentBlocks {
   std::vector<Entry> recent_;
 };
 
+// Keys and values one after the other; their order is the map's, and of no account.
 Bytes packBlocks(const BlockMap& blocks) {
   std::vector<std::uint64_t> keys;
   std::vector<Block> values;
@@ -188,6 +189,7 @@ void CoarseBlocks::add(const CoarseBlocks& other, double factor) {
   for (const auto& [key, block] : other.blocks_) addBlock(blocks_, key, block, factor);
 }
 
+// y_s += A_st a_t, y_t += A_st^T a_s
 Eigen::VectorXd CoarseBlocks::multiply(const Eigen::VectorXd& a) const {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(a.size());
   for (const auto& [key, block] : blocks_) {
@@ -200,6 +202,7 @@ Eigen::VectorXd CoarseBlocks::multiply(const Eigen::VectorXd& a) const {
   return y;
 }
 
+// Of a semidefinite matrix the largest entry at all.
 double CoarseBlocks::largestDiagonal() const {
   double largest = 0;
   for (const auto& [key, block] : blocks_)

@@ -111,6 +111,7 @@ std::vector<int> orderByDissection(const CoarseSchur::Parts& A, int subdomains, 
   return order;
 }
 
+// Subdomains, not unknowns, are ordered: a graph with a sixth of the nodes and a thirty-sixth of the edges.
 std::vector<int> orderSubdomains(const CoarseSchur::Parts& A, int subdomains, const std::vector<int>& last, CholmodCommon& common) {
   constexpr std::size_t kMany = 1000;  // up to here both orders fill in alike
   std::vector<int> order;
@@ -199,6 +200,7 @@ class CholmodFactor {
   cholmod_factor* factor_;
 };
 
+// L in supernodes by CHOLMOD's own means: A comes in its final order, nothing is to be permuted.
 CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommon& common) : common_(common) {
   common.supernodal = CHOLMOD_SUPERNODAL;
   common.nmethods = 1;

@@ -11,6 +11,7 @@
 namespace Haptos {
 namespace {
 
+// What B and B^T send is counted apart: scaling.md has formulas for it.
 template <class Transfer>
 void count(JumpOperator::Traffic& traffic, std::size_t vectors, Transfer&& transfer) {
   const CommunicationCounts before = communicationSoFar();
@@ -21,6 +22,7 @@ void count(JumpOperator::Traffic& traffic, std::size_t vectors, Transfer&& trans
 
 }  // namespace
 
+// Rows compressed, own ones first: entries lie in the order in which B is multiplied.
 JumpOperator::JumpOperator(RCP<const MultiplierMap> multipliers, int firstSubdomain, const std::vector<int>& dofsOfSubdomain)
     : multipliers_(std::move(multipliers)), firstSubdomain_(firstSubdomain), primalOffsets_{0} {
   for (int dofs : dofsOfSubdomain) primalOffsets_.push_back(primalOffsets_.back() + dofs);
@@ -42,6 +44,7 @@ JumpOperator::JumpOperator(RCP<const MultiplierMap> multipliers, int firstSubdom
   }
 }
 
+// Unknowns of a subdomain in the order of its entries; one that several rows touch comes as often.
 std::vector<int> JumpOperator::touchedDofs(int localSubdomain) const {
   const auto& entries = multipliers_->overlapEntries();  // sorted by subdomain
   const int subdomain = firstSubdomain_ + localSubdomain;
@@ -71,6 +74,7 @@ void JumpOperator::multiply(const MultiVector& x, MultiVector& y, double alpha, 
   count(forward_, columns, [&] { remoteRows.addToOwners(remote, y); });
 }
 
+// Values of other ranks' rows are fetched first; then every row adds its multiples to what it touches here.
 void JumpOperator::multiplyTransposed(const MultiVector& x, MultiVector& y, double alpha, double beta) const {
   const RemoteRows& remoteRows = multipliers_->remote();
   const std::size_t rows = rowOffsets_.size() - 1, owned = remoteRows.numOwned(), columns = x.getNumVectors();

@@ -14,6 +14,7 @@ double squaredDistance(const Point& a, const Point& b) {
   return sum;
 }
 
+// Power diagram of the parts' centres: an element belongs where |x - c_p|^2 - w_p is least; w_p grows for parts that are too small.
 class VoronoiParts {
  public:
   VoronoiParts(const DualGraph& graph, const std::vector<Point>& centroids, const std::vector<double>& wanted, std::vector<int>& part)
@@ -39,6 +40,7 @@ class VoronoiParts {
   }
 
  private:
+  // Of the parts of side neighbours alone, so that no element jumps across a gap.
   int nearest(std::size_t e, const std::vector<int>& before) const {
     constexpr double kGain = 1e-6;  // of the part's own spread: ties move nothing
     const int own = before[e];

@@ -111,6 +111,7 @@ void groupStresses(const Coordinates& coordinates, const ElementGroup& group, co
 
 }  // namespace
 
+// lambda = E nu / ((1 + nu)(1 - 2 nu)), shear = E / (2 (1 + nu)), bulk = E / (3 (1 - 2 nu)): nu = 1/2 has no lambda
 ElasticModuli elasticModuli(const IsotropicMaterial& material) {
   const double e = material.youngsModulus, nu = material.poissonsRatio;
   HAPTOS_REFUSE_IF(!(e > 0.0) || std::isinf(e),

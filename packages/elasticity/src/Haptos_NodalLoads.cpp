@@ -31,6 +31,7 @@ struct PatchPoint {
   const double* values;
 };
 
+// Places relative to the first node keep their digits far from the origin.
 Patch makePatch(const Coordinates& coordinates, const int* nodes, int numNodes) {
   Patch patch;
   patch.numNodes = numNodes;
@@ -94,6 +95,7 @@ void addForce(const Patch& patch, const PatchPoint& point, const Vector3d& force
     f.segment<3>(3 * Index(patch.nodes[std::size_t(a)])) += point.values[a] * force;
 }
 
+// An expression may be good everywhere but at one point: that is named.
 [[noreturn]] void throwNotFinite(const char* load, const Vector3d& x, const std::string& where) {
   std::ostringstream message;
   message << load << " at (" << x.x() << ", " << x.y() << ", " << x.z() << ") on " << where

@@ -28,6 +28,7 @@ Vector3d centroidOf(const Coordinates& coordinates, const std::vector<Index>& no
   return origin + sum / double(nodes.size());
 }
 
+// Without a list of pieces all nodes are one.
 std::vector<std::vector<Index>> nodesOfPieces(Index numNodes, const std::vector<int>& pieceOfNode) {
   TEUCHOS_ASSERT(pieceOfNode.empty() || Index(pieceOfNode.size()) == numNodes);
   const int last = pieceOfNode.empty() ? 0 : *std::max_element(pieceOfNode.begin(), pieceOfNode.end());
@@ -99,6 +100,7 @@ Vector3d centroid(const Coordinates& coordinates) {
   return centroidOf(coordinates, nodesOfPieces(Index(coordinates.size()), {}).front());
 }
 
+// Six columns a piece, zero on the others: pieces that touch in no node move by themselves.
 Eigen::MatrixXd rigidBodyModes(const Coordinates& coordinates, const std::vector<int>& pieceOfNode) {
   const auto pieces = nodesOfPieces(Index(coordinates.size()), pieceOfNode);
   Eigen::MatrixXd modes = Eigen::MatrixXd::Zero(3 * Index(coordinates.size()), 6 * Index(pieces.size()));
@@ -111,6 +113,7 @@ Eigen::MatrixXd rigidBodyModes(const Coordinates& coordinates, const std::vector
   return modes;
 }
 
+// A screw: axis, a point on it, and whether it also moves along.  What is negligible is not said.
 std::string describeRigidMotion(const RigidMotion& motion) {
   const Vector3d &t = motion.translation, &w = motion.rotation;
   const double moved = t.norm(), turned = w.norm() * motion.size;

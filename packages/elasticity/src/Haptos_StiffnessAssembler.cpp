@@ -27,6 +27,7 @@ struct ElementReference {
   int numNodes;
 };
 
+// Groups may have different shapes; here only their nodes count.
 std::vector<ElementReference> listElements(const std::vector<ElementGroup>& groups) {
   std::vector<ElementReference> elements;
   for (const auto& group : groups)

@@ -9,6 +9,7 @@ namespace Haptos {
 Projector::Projector(RCP<const NaturalCoarseSpace> G, RCP<const CoarseProblem> GGT, Onto onto)
     : G_(std::move(G)), GGT_(std::move(GGT)), onto_(onto) {}
 
+// Q x = G^T (G G^T)^-1 G x
 void Projector::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   const Eigen::MatrixXd a = GGT_->solveSum(G_->partOfG(x));
   if (onto_ == Onto::ImageOfGT) {
@@ -29,6 +30,7 @@ void ProjectedDualOperator::apply(const MultiVector& x, MultiVector& y, Teuchos:
   y.update(alpha, Ax, beta);
 }
 
+// Q x is what SMALSE adds rho times of; P F P x costs nothing more: a = Q x, F (x - a), less its Q part.
 void ProjectedDualOperator::applyWithProjection(const MultiVector& x, MultiVector& Ax, MultiVector& Qx) const {
   G_->applyGT(GGT_->solveSum(G_->partOfG(x)), Qx);
   MultiVector Px(x, Teuchos::Copy);

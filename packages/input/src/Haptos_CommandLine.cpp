@@ -18,6 +18,7 @@ bool isIn(const std::vector<std::string>& options, const std::string& option) {
   return std::find(options.begin(), options.end(), option) != options.end();
 }
 
+/// At the first '=': names have none, values may.
 std::pair<std::string, std::string> splitAssignment(const std::string& text) {
   const auto equals = text.find('=');
   if (equals == std::string::npos || trimmed(text.substr(0, equals)).empty())
@@ -25,6 +26,7 @@ std::pair<std::string, std::string> splitAssignment(const std::string& text) {
   return {trimmed(text.substr(0, equals)), trimmed(text.substr(equals + 1))};
 }
 
+/// A second one would silently win.
 void setFileOption(std::string& target, const std::string& option, const std::string& value) {
   if (!target.empty()) throw InputError(option + ": is given twice ('" + target + "' and '" + value + "')");
   if (value.empty()) throw InputError(option + ": the file name is empty");
@@ -68,6 +70,7 @@ void readOption(CommandLine& line, const std::vector<std::string>& arguments, st
     if (hasValue) throw InputError(option + ": takes no value, '" + argument + "' is given");
     applyFlag(line, option);
   } else if (isIn(valueOptions, option)) {
+    // what begins with "--" is the next option and not a value that was forgotten
     const bool follows = position + 1 < arguments.size() && arguments[position + 1].compare(0, 2, "--") != 0;
     if (!hasValue && !follows) throw InputError(option + ": its value is missing");
     applyValueOption(line, option, hasValue ? argument.substr(equals + 1) : arguments[++position]);
@@ -78,6 +81,7 @@ void readOption(CommandLine& line, const std::vector<std::string>& arguments, st
 
 }  // namespace
 
+// Options may stand before and after the one input file; all of them are read before anything is done.
 CommandLine parseCommandLine(const std::vector<std::string>& arguments) {
   CommandLine line;
   for (std::size_t i = 0; i < arguments.size(); ++i) {

@@ -26,6 +26,7 @@ std::vector<std::string> functionNames(const mu::Parser& parser) {
   return names;
 }
 
+/// What a name in an expression can be, for messages.
 std::string knownNames(const mu::Parser& parser) {
   return "known are the variables x, y, z, the constants pi, _pi, _e and the functions " +
          joinNames(functionNames(parser));
@@ -88,6 +89,7 @@ Expression::Expression(double value) : constant_(value), text_(numberText(value)
 
 Expression::Expression(const std::string& text, const std::string& parameterPath)
     : text_(text), parameterPath_(parameterPath) {
+  // numbers are read as everywhere in the input, whatever the parser makes of them
   if (const auto number = parseDouble(text)) {
     constant_ = finite(*number, 0, 0, 0);
     return;
@@ -109,12 +111,14 @@ Expression::Expression(const std::string& text, const std::string& parameterPath
   } catch (const mu::ParserError& e) {
     throw InputError(where + parserMessage(e, text) + "; " + knownNames(parser_->parser));
   }
+  // "pi/2" needs no parser for every point
   if (parser_->parser.GetUsedVar().empty()) {
     constant_ = finite(parser_->parser.Eval(), 0, 0, 0);
     parser_.reset();
   }
 }
 
+// Where a value is not usable is known only where it is applied: the message names the point.
 double Expression::finite(double value, double x, double y, double z) const {
   if (std::abs(value) <= kLargestNumber) return value;
   throw InputError(parameterPath_ + ": the expression '" + text_ + "' gives " + numberText(value) +
@@ -135,6 +139,7 @@ bool VectorExpression::isConstant() const {
                      [](const Expression& e) { return e.isConstant(); });
 }
 
+// One number or text, or an array of them: what a user writes for one component, and for three.
 std::vector<Expression> expressionsFromParameter(const Teuchos::ParameterList& list, const std::string& name,
                                                  const std::string& listPath, std::size_t numComponents) {
   const std::string path = joinPath(listPath, name);

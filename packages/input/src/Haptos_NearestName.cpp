@@ -9,6 +9,7 @@ namespace Haptos {
 
 namespace {
 
+/// Without what is easily mistaken: blanks, dashes, apostrophes, capitals.
 std::string plainName(const std::string& name) {
   std::string plain;
   for (const unsigned char c : name)
@@ -25,6 +26,7 @@ bool isPartOf(const std::string& a, const std::string& b) {
 
 }  // namespace
 
+// Letters to insert, leave out, exchange or swap with their neighbour.
 int nameDistance(const std::string& a, const std::string& b) {
   const std::string s = plainName(a), t = plainName(b);
   // Optimal string alignment: d[i][j] is the distance of the first i and j characters; three rows suffice.
@@ -43,6 +45,7 @@ int nameDistance(const std::string& a, const std::string& b) {
   return row[t.size()];
 }
 
+// A part of a name is as good as two mistakes: "Tolerance" is nearer to "Relative Tolerance" than letters tell.
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates) {
   std::string nearest;
   int smallest = std::numeric_limits<int>::max();

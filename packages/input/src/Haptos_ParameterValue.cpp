@@ -35,6 +35,7 @@ std::string textOf(const std::vector<T>& values) {
   return "{" + text + "}";
 }
 
+/// Nothing if one entry is wrong.
 template <class T, class Parse>
 std::optional<ParameterValue> parseArray(const std::string& text, Parse&& parse) {
   std::vector<T> values;
@@ -98,6 +99,7 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
 
+// The whole text or nothing: "3 mm" is no 3, and no locale changes what a point is.
 std::optional<int> parseInt(const std::string& text) {
   const std::string t = withoutPlus(text);
   int value = 0;
@@ -120,6 +122,7 @@ std::optional<double> parseDouble(const std::string& text) {
   return value;
 }
 
+// At commas outside of quotes and parentheses, since entries may be expressions as clip(x, 0, 1); with braces or without.
 std::vector<std::string> splitArray(const std::string& text) {
   std::string body = trimmed(text);
   if (body.size() >= 2 && body.front() == '{' && body.back() == '}') body = body.substr(1, body.size() - 2);
@@ -171,6 +174,7 @@ std::optional<ParameterValue> parseValue(const std::string& text, ParameterType 
   return std::nullopt;
 }
 
+// Whole numbers are good doubles; nothing else is converted, so that a mistake in the type is told.
 std::optional<ParameterValue> convertValue(const ParameterValue& value, ParameterType type) {
   if (typeOf(value) == type) return value;
   if (type == ParameterType::Double && std::holds_alternative<int>(value))

@@ -30,6 +30,7 @@ std::string parserMessage(const std::string& what) {
   return lastLine == std::string::npos ? what : trimmed(what).substr(lastLine + 1);
 }
 
+// Teuchos' parser stumbles over a byte order mark and over an empty text.
 XMLObject parseXml(const std::string& text, const std::string& origin) {
   const std::string byteOrderMark = "\xEF\xBB\xBF";
   const bool marked = text.compare(0, byteOrderMark.size(), byteOrderMark) == 0;
@@ -50,6 +51,7 @@ void checkAttributes(const XMLObject& entry, const std::string& where,
       throw InputError(where + ": <" + entry.getTag() + "> lacks the attribute '" + attribute + "'");
 }
 
+/// Teuchos would pass over it.
 void checkContent(const XMLObject& element, const std::string& where) {
   for (int i = 0; i < element.numContentLines(); ++i)
     if (!trimmed(element.getContentLine(i)).empty())
@@ -57,6 +59,7 @@ void checkContent(const XMLObject& element, const std::string& where) {
                        "') has no meaning; write <Parameter name=\"...\" type=\"...\" value=\"...\"/>");
 }
 
+/// Of a list or a parameter; blanks around it are dropped.
 std::string nameOf(const XMLObject& entry, const std::string& listPath) {
   const std::string where = listPath.empty() ? "the input" : listPath;
   if (entry.getTag() != tagNames[0] && entry.getTag() != tagNames[1])
@@ -104,6 +107,7 @@ void readList(const XMLObject& element, ParameterList& list, const std::string& 
 
 }  // namespace
 
+// Not by Teuchos' own reader: messages are to name a parameter by its path, and nothing is to be taken in silence.
 ParameterList parameterListFromXml(const std::string& text, const std::string& origin) {
   const XMLObject root = parseXml(text, origin);
   const std::string right = "; the root must be <ParameterList name=\"Haptos\">";

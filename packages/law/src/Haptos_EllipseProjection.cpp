@@ -84,6 +84,7 @@ Pair projectFromOutside(const Pair& x, const Pair& a, Pair& shrink) {
   return {shrink[0] * x[0], shrink[1] * x[1]};
 }
 
+/// P = N x on the boundary, N = (1 + tau a^-2)^-1, tau by P^T a^-2 P = 1; what P loses is its part along the normal w.
 void setBoundaryDerivatives(EllipseProjection& r, const Pair& x, const Pair& a, const Pair& shrink, Real g) {
   const Pair p{shrink[0] * x[0], shrink[1] * x[1]};
   const Real unit = std::max(a[0], a[1]);

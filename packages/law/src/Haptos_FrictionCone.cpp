@@ -15,6 +15,7 @@ struct Height {
   EllipseProjection section;
 };
 
+// At height g the nearest point is the projection of x_T on the section; d(g) = (g - x_N)^2 + |x_T - P(x_T, g)|^2 is convex.
 Height evaluate(const std::array<double, 3>& x, const std::array<double, 2>& F, double g) {
   const std::array<double, 2> T{x[1], x[2]};
   Height h{0, 1, projectOntoEllipse(T, F, g)};
@@ -46,6 +47,7 @@ double findHeight(const std::array<double, 3>& x, const std::array<double, 2>& F
 
 }  // namespace
 
+// The root g of phi = d'/2, unless x lies in the cone or its polar; dg/dx from phi(g, x) = 0.
 ConeProjection projectOntoFrictionCone(const std::array<double, 3>& x, const std::array<double, 2>& F) {
   ConeProjection result{};
   if (x[0] <= -std::hypot(F[0] * x[1], F[1] * x[2])) return result;  // the polar cone goes to the apex

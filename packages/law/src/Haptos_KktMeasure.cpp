@@ -85,6 +85,7 @@ KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vect
   return measureContact(law, lambda, s, scales.uRef, contactForceScale(law, lambda, scales.load));
 }
 
+// Largest over all pairs of all ranks, each measure by itself: one reduction.
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef) {
   double mine[5] = {0, 0, 0, 0, 0}, all[5];
   forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {

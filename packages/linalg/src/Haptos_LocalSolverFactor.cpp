@@ -31,6 +31,7 @@ bool hasCholmod() {
 
 namespace {
 
+// By our own adapter where Trilinos has none for CHOLMOD, by Amesos2's factory else.
 RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
   if (!cholmod) return Amesos2::create<CrsMatrix, MultiVector>("KLU2", A);
 #if defined(HAPTOS_OWN_CHOLMOD)
@@ -42,6 +43,7 @@ RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
 #endif
 }
 
+// L is computed in double and kept in single: factoring is not what a preconditioner costs.
 void requestSinglePrecision(AmesosSolver& solver) {
 #if defined(HAPTOS_OWN_CHOLMOD)
   if (solver.name() != CholmodSolver<CrsMatrix, MultiVector>::name) return;
@@ -128,6 +130,7 @@ void LocalSolverFactor::renew(const Eigen::SparseMatrix<double>& A) {
 LocalSolverFactor::~LocalSolverFactor() = default;
 LocalSolverFactor::LocalSolverFactor(LocalSolverFactor&&) noexcept = default;
 
+// One thread at a time: solver and vectors have workspaces of their own.
 void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
   TEUCHOS_ASSERT(B.rows() == rows() && X.rows() == B.rows() && X.cols() == B.cols());
   if (B.cols() == 0) return;

@@ -145,6 +145,7 @@ void SurfaceSchur::keepByNodes(const Eigen::SparseMatrix<double>& K, const std::
 Eigen::Index SurfaceSchur::size() const { return size_; }
 Eigen::Index SurfaceSchur::interiorKernelSize() const { return interiorKernelSize_; }
 
+/// In blocks of columns: K_ii is solved with at once for each, and memory is bounded.
 void SurfaceSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   TEUCHOS_ASSERT(X.rows() == size() && Y.rows() == size() && X.cols() == Y.cols());
   for (Eigen::Index first = 0; first < X.cols(); first += blockWidth) {

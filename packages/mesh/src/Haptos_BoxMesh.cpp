@@ -45,6 +45,7 @@ class BoxBuilder {
   BoxBuilder(const BoxSpec& spec, MeshShare& share, Index firstNode, Index firstElement)
       : spec_(spec), share_(share), firstNode_(firstNode), firstElement_(firstElement) {}
 
+  // Nodes go along x, then y, then z; a rank's range of them is cut out of the box's.
   void addNodes() {
     const Index nx = spec_.divisions[0] + 1, ny = spec_.divisions[1] + 1;
     const Index begin = std::max(share_.firstNode() - firstNode_, Index(0));
@@ -55,6 +56,7 @@ class BoxBuilder {
     }
   }
 
+  // Cells in the same order, the tetrahedra of a cell one after the other.
   void addBlock(Index id) {
     ElementBlock block{id, spec_.blockName, spec_.topology, {}};
     const auto [begin, end] = ownElements();
@@ -252,6 +254,7 @@ MeshShare shareTwoBeams(const TwoBeamsSpec& spec, int rank, int ranks) {
 
 Mesh makeTwoBeams(const TwoBeamsSpec& spec) { return shareTwoBeams(spec, 0, 1).part; }
 
+// Bodies one after the other, in each bricks along x, y, z as cells go.
 int brickOfElement(const TwoBeamsSpec& spec, std::int64_t element) {
   const Index k = spec.subdomainsPerEdge, p = spec.elementsPerSubdomainEdge, n = k * p;
   const Index x = element % (2 * n), y = element / (2 * n) % n, layer = element / (2 * n * n), z = layer % n;

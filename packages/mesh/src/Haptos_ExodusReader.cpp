@@ -67,6 +67,7 @@ std::pair<std::string, std::string> splitTypeName(std::string type) {
   return {type.substr(0, digits), type.substr(digits)};
 }
 
+/// Exodus has no list of type names: codes write "HEX", "HEX8", "hexahedron".
 bool isHex8(const std::string& type, Index nodes) {
   const auto [family, digits] = splitTypeName(type);
   return (family == "HEX" || family == "HEXAHEDRON") && (digits.empty() || digits == "8") && nodes == 8;
@@ -302,6 +303,7 @@ class Reader {
     return Index(checkedCount(info.num_entry, "elements in " + what));
   }
 
+  /// Exodus counts from 1; what lies outside would be read beyond arrays.
   void makeZeroBased(std::vector<Index>& nodes, const std::string& owner) const {
     for (auto& node : nodes) {
       if (node < 1 || node > sizes_.num_nodes)
@@ -330,6 +332,7 @@ class Reader {
     return stretchesBetween(starts, members.begin(share_.rank), members.begin(share_.rank + 1));
   }
 
+  // Every rank reads an even part of all members, wherever their nodes lie; they travel to the owners afterwards.
   std::vector<SetMember> readNodeSets() {
     std::vector<SetMember> members;
     auto& sets = share_.part.nodeSets;

@@ -16,6 +16,7 @@ constexpr std::array<std::array<int, 4>, 6> hexSides = {
 constexpr std::array<std::array<int, 4>, 4> tetSides = {
     {{0, 1, 3, -1}, {1, 2, 3, -1}, {0, 3, 2, -1}, {0, 2, 1, -1}}};
 
+// A name first, then a number: a block may be called "2".
 template <class Entity>
 int findEntity(const std::vector<Entity>& all, const std::string& nameOrNumber, const char* kind) {
   if (nameOrNumber.empty()) return -1;
@@ -34,6 +35,7 @@ int findEntity(const std::vector<Entity>& all, const std::string& nameOrNumber, 
   return int(found - all.begin());
 }
 
+// For messages: what the user could have meant.
 template <class Entity>
 std::string listEntities(const std::vector<Entity>& all) {
   std::string text;

@@ -45,6 +45,7 @@ std::map<int, std::map<int, std::string>> findParts(const std::string& path) {
   return parts;
 }
 
+/// Files of another decomposition with the same names would give a mesh, a wrong one.
 void requireSameParts(const std::string& path, const std::vector<ExodusPart>& parts, const std::vector<std::string>& files,
                       std::size_t first, std::size_t count) {
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -55,6 +56,7 @@ void requireSameParts(const std::string& path, const std::vector<ExodusPart>& pa
 
 }  // namespace
 
+// NAME itself where it exists; else NAME.N.0 ... NAME.N.(N-1), all of them and of one N.
 std::vector<std::string> listMeshFiles(const std::string& path) {
   std::error_code error;
   if (fs::exists(path, error)) return {path};
@@ -75,6 +77,7 @@ std::vector<std::string> listMeshFiles(const std::string& path) {
   return files;
 }
 
+// Rank 0 looks at the folder, which all ranks doing at once is hard on a file system, and tells the others what there is.
 MeshShare readMeshFiles(const Communicator& comm, const std::string& path) {
   std::vector<Bytes> messages(std::size_t(comm.getSize()));
   runOnRoot(comm, [&] {

@@ -61,6 +61,7 @@ bool BalancedDirection::coarseIsStale(const LawLinearization& law) const {
   return !coarse_ || sums[0] > options_.coarseChange * options_.coarseChange * sums[1];
 }
 
+// What belongs to the law and not to the point: modes of slip, their springs, the coarse matrix unless it is good enough.
 void BalancedDirection::prepare(const std::vector<PairLaw>& pairs, const LawLinearization& law) {
   modes_.resize(pairs.size());
   for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -171,6 +172,8 @@ void BalancedDirection::holdFloatingBodies(const LawLinearization& law, Eigen::V
   contact -= H * solveLeastSquares(HH, rest);
 }
 
+// v = z with contact values as the law wants them and G v = 0: in turn the residual without its rigid part, the preconditioner with
+// slip, the law, the balance that the law disturbs, the motions that contact alone holds, the gluing rows.
 Direction BalancedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target) {
   prepare(pairs, law);
   Eigen::VectorXd r = residual(pairs, law, point);

@@ -22,6 +22,7 @@ class RowsOfOperator final : public Operator {
   RCP<const Map> getDomainMap() const override { return columns_ == Columns::All ? M_->getDomainMap() : map_; }
   RCP<const Map> getRangeMap() const override { return map_; }
 
+  // y := beta y + alpha (M x)(rows), at the price of a whole M
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
     MultiVector z(M_->getRangeMap(), x.getNumVectors());
     if (columns_ == Columns::All) M_->apply(x, z);

@@ -23,6 +23,7 @@ std::vector<PairLaw> roundedEllipses(std::vector<PairLaw> pairs, double least) {
   return pairs;
 }
 
+// The same on all ranks, as it decides how many levels there are; a coefficient 0 needs none.
 double largestAxisRatio(const std::vector<PairLaw>& pairs, const Communicator& comm) {
   double mine = 1, all = 1;
   for (const auto& pair : pairs) {

@@ -84,6 +84,7 @@ void DualVectors::setContact(Eigen::VectorXd& x, const Eigen::VectorXd& values) 
   }
 }
 
+// Where Tpetra computes on the host, the arrays themselves are the vectors.
 Eigen::VectorXd DualVectors::apply(const Operator& op, const Eigen::VectorXd& x) {
   const RCP<const Map> from = op.getDomainMap(), to = op.getRangeMap();
   TEUCHOS_ASSERT(x.size() == Eigen::Index(localNumElements(*from)));
@@ -114,6 +115,7 @@ Eigen::VectorXd DualVectors::applyOnContact(const Operator& op, const Eigen::Vec
   return applyToContact(op, rows);
 }
 
+// A rank alone has the sum already.
 void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {
   if (map_->getComm()->getSize() == 1 || values.size() == 0) return;
   const Eigen::MatrixXd mine = values;

@@ -40,6 +40,7 @@ Eigen::MatrixXd LawLinearization::multiply(const Eigen::Ref<const Eigen::MatrixX
   return J;
 }
 
+// P'_TT = E diag(sigma) E^T is symmetric: the derivative of a projection, also where g moves with lambda_N, which is P'_TN.
 TangentialModes TangentialModes::of(const Eigen::Matrix3d& dP, double r, double stiffness) {
   TangentialModes modes;
   const SymmetricEigen2 eigen(dP.bottomRightCorner<2, 2>());

@@ -31,6 +31,7 @@ SmallSystem::SmallSystem(const RecycledSubspace& subspace, const LawLinearizatio
   for (Eigen::Index j = 0; j < m; ++j) M_.col(j) /= scale_[j];
 }
 
+// Pairs become dependent where the law lets go of what told them apart: then the step of least length.
 Eigen::VectorXd SmallSystem::solve(double damping) const {
   constexpr double kRankTolerance = 1e-12;  // pivots of columns of length 1
   const Eigen::Index m = M_.cols();

@@ -61,6 +61,8 @@ void SubspaceDescent::tryStep(const Eigen::VectorXd& y) {
   if (candidate.norm < norm_) moveTo(std::move(candidate));
 }
 
+// y := y + t dy, M dy = rhs at y, until the span has no more to give: that is known before a step, from what the linear model
+// promises, and after it, from what it left.
 void SubspaceDescent::run(bool isFrozen, double bestNorm) {
   const auto& o = setting_.options;
   for (int step = 0; step < o.gaussNewtonSteps; ++step) {

@@ -37,6 +37,7 @@ void SubspaceNewtonRun::keepOrigin() {
   iteration_.setOrigin(state_);
 }
 
+// Multipliers in balance and their jumps; their length is what residuals of levels are compared with.
 void SubspaceNewtonRun::start() {
   subspace_.clear();
   if (isFloating()) {
@@ -75,6 +76,7 @@ void SubspaceNewtonRun::liftRest() {
   if (rest.norm() > kBalanced * dual_.e.norm()) state_.lambda -= multiply(*dual_.GT, dual_.GGT->solve(rest));
 }
 
+// At the true coefficients by the status test, which may measure by other norms; before, by the residual.
 bool SubspaceNewtonRun::accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
   const auto l = vectors_.toVector(lambda);
   if (level.isFinal && hooks_.statusTest) residual = hooks_.statusTest(*l, *vectors_.toVector(s));
@@ -83,6 +85,7 @@ bool SubspaceNewtonRun::accept(const Eigen::VectorXd& lambda, const Eigen::Vecto
   return residual <= (level.isFinal ? options_.tolerance : level.tolerance);
 }
 
+// One law, from the state as it is.
 NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Level& level, bool isFresh) {
   NewtonLimits limits;
   limits.tolerance = level.tolerance;
@@ -153,6 +156,7 @@ void SubspaceNewtonRun::refreshJumps() {
   state_.s = s;
 }
 
+// A further call asks for more of the same answer: the jumps anew, no levels, longer patience.
 NewtonStop SubspaceNewtonRun::solve() {
   subspace_.setMaximum(options_.maximumPairs);
   if (!isStarted_) return solveFromStart();
@@ -164,6 +168,7 @@ NewtonStop SubspaceNewtonRun::solve() {
   return runLevel(dual_.pairs, level);
 }
 
+// Pairs of before may have been what led astray; the other method's state has its balance by all rows, here gluing rows see to it.
 void SubspaceNewtonRun::startFrom(const Vector& lambda, const Vector& s) {
   if (!isStarted_) start();
   subspace_.clear();

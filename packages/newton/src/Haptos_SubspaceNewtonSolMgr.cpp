@@ -51,6 +51,7 @@ struct Rule {
   const char* text;
 };
 
+// The first value out of range is refused with its name and what would be right.
 void checkParameters(const ParameterList& p) {
   const double tiny = std::numeric_limits<double>::min();
   const Rule rules[] = {{"Convergence Tolerance", 0, ">= 0"}, {"First Axis Ratio", 1, ">= 1"}, {"First Factor", 1, ">= 1"},
@@ -115,6 +116,7 @@ SubspaceNewtonRun& SubspaceNewtonSolMgr::run() {
 
 void SubspaceNewtonSolMgr::startFrom(const Vector& lambda, const Vector& s) { run().startFrom(lambda, s); }
 
+// The state is given back whatever the outcome: the caller may go on from it by another method.
 Belos::ReturnType SubspaceNewtonSolMgr::solve() {
   const NewtonStop stop = run().solve();
   reason_ = stop == NewtonStop::Converged ? "converged"

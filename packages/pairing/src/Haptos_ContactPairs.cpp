@@ -23,6 +23,7 @@ std::string show(const std::array<double, 3>& a) {
   return text.str();
 }
 
+// Once more what the input checks: applications come here without it.
 void checkSpec(const ContactSpec& spec) {
   const std::string where = "Contact '" + spec.name + "': ";
   HAPTOS_REFUSE_IF(spec.primarySideSet.empty() == !spec.rigidPlane,
@@ -41,6 +42,7 @@ void checkSpec(const ContactSpec& spec) {
                    where << "Rigid Plane Point " << show(spec.rigidPlane->point) << " must be finite.");
 }
 
+// The surface's own messages with the interface's name before them.
 ContactSurface surfaceOf(const Mesh& mesh, const ContactSpec& spec, const std::string& sideSet,
                          const char* role) {
   try {
@@ -68,6 +70,7 @@ void checkNoSharedNode(const Mesh& mesh, const ContactSpec& spec, const ContactS
                                   "nodes of their own there, or the faces must leave the side sets.");
 }
 
+// Said in the summary: nothing in reach is more often a mistake than a model.
 std::string unpairedNote(const ContactSurface& secondary, const ContactSurface& primary, std::size_t count) {
   std::ostringstream text;
   if (count == secondary.numNodes())
@@ -95,6 +98,7 @@ void notePenetration(const Mesh& mesh, const ContactSurface& secondary, ContactI
   interface.notes.push_back(text.str());
 }
 
+// One pair a secondary node that has a partner; nodes without one take no part, which is noted.
 void pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary,
                      ContactInterface& interface) {
   const ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");

@@ -15,6 +15,7 @@ namespace {
 
 using Corners = std::array<Vec3::Array, 4>;
 
+// A side that is listed twice would count its area twice.
 std::vector<ElementSide> uniqueSides(const SideSet& set) {
   auto key = [](const ElementSide& s) { return std::tie(s.element, s.side); };
   auto sides = set.sides;
@@ -197,6 +198,7 @@ void setTurns(ContactSurface& surface) {
 
 }  // namespace
 
+// Faces, then what their nodes have of them: normals weighted by angles, which do not depend on how a face is cut, areas, sizes.
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {
   const int position = findSideSet(mesh, sideSet);
   HAPTOS_REFUSE_IF(position < 0,

@@ -13,6 +13,7 @@ namespace {
 constexpr int leafSize = 4;  // facets whose boxes cost about what one more level would
 }
 
+// Boxes of facets, and a binary tree of boxes above them.
 FacetTree::FacetTree(const ContactSurface& surface) {
   boxes_.reserve(surface.numFacets());
   for (int f = 0; f < int(surface.numFacets()); ++f) {

@@ -185,6 +185,7 @@ Matcher::Search Matcher::searchFrom(int node) {
   return found;
 }
 
+// All facets near the line, on either side of the node: bodies may overlap or stand apart at the start.
 void Matcher::searchAlong(const Line& line, int node, Search& found) {
   primaryTree_.facetsNearLine(line.origin, line.direction, facets_);
   const auto& n = s_.normals[std::size_t(node)];

@@ -72,6 +72,7 @@ BoundEllipseSet::BoundEllipseSet(const RCP<const Map>& map, std::vector<Bound> b
   throwOnAllRanks(*map_->getComm(), message);
 }
 
+// Every row is in one bound, ellipse or pin at most: projections of rows are then independent of each other.
 std::string BoundEllipseSet::checkRows() const {
   std::vector<int> rows = pinned_;
   for (const Bound& b : bounds_) rows.push_back(b.row);
@@ -108,6 +109,7 @@ std::string BoundEllipseSet::checkSemiAxes(const std::array<int, 2>& rows, const
   return {};
 }
 
+// What is on a boundary stays on it: scaled with its ellipse, axis by axis.
 void BoundEllipseSet::setSemiAxes(const std::vector<std::array<double, 2>>& semiAxes, MultiVector* x) {
   std::string message;
   if (semiAxes.size() != ellipses_.size())
@@ -129,6 +131,7 @@ void BoundEllipseSet::setSemiAxes(const std::vector<std::array<double, 2>>& semi
   for (std::size_t i = 0; i < ellipses_.size(); ++i) ellipses_[i].semiAxes = semiAxes[i];
 }
 
+// Also notes what is active: decided here and by no distance afterwards.
 void BoundEllipseSet::project(MultiVector& x) {
   auto view = x.getDataNonConst(0);
   for (const int row : pinned_) view[row] = 0.0;
@@ -149,6 +152,7 @@ void BoundEllipseSet::project(MultiVector& x) {
   }
 }
 
+// x - t p: active rows move with their face or not at all, so they set no limit.
 double BoundEllipseSet::maxFeasibleStep(const MultiVector& x, const MultiVector& p) const {
   const auto xv = x.getData(0), pv = p.getData(0);
   double step = std::numeric_limits<double>::infinity();
@@ -167,6 +171,7 @@ double BoundEllipseSet::maxFeasibleStep(const MultiVector& x, const MultiVector&
   return global;
 }
 
+// phi = g on free rows; phi~ there and beta on active ones are (x - P(x - alpha g)) / alpha, for a bound min(g, (x - l) / alpha).
 void BoundEllipseSet::splitGradient(const MultiVector& x, const MultiVector& g, double alphaBar, MultiVector& phi,
                                     MultiVector& phiR, MultiVector& beta) const {
   Tpetra::deep_copy(phi, g);

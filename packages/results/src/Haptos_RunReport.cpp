@@ -11,6 +11,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+// Names are those of doc/input.md and CHANGELOG.md: what is once written goes on being written under its name.
 Json headerJson(const RunReport& report) { return {{"version", report.version}, {"ranks", report.ranks}, {"title", report.title}}; }
 
 Json modelBlock(const ModelReport& model) {
@@ -166,6 +167,7 @@ std::string summaryJson(const RunReport& report) {
   return textOf(summary);
 }
 
+// Under another name first: nobody reads half a summary, and a failure leaves the old one.
 void writeTextFile(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".part";
   {

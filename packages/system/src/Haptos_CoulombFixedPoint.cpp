@@ -8,6 +8,7 @@
 
 namespace Haptos {
 
+// Bounds on normal rows, an ellipse on every frictional pair, pins on rows without a force; the rest (gluing) is free.
 CoulombFixedPoint::CoulombFixedPoint(const RCP<const Map>& map, const ContactLaw& law, const MultiplierMap& multipliers,
                                      const Vector& lambda)
     : map_(map), law_(law) {
@@ -28,6 +29,7 @@ CoulombFixedPoint::CoulombFixedPoint(const RCP<const Map>& map, const ContactLaw
   set_ = Teuchos::rcp(new BoundEllipseSet(map, bounds, ellipses, pinned));
 }
 
+// g = max(0, lambda_N), 0 where the normal row is pinned; the bound itself for Tresca.
 std::vector<double> CoulombFixedPoint::slipBounds(const MultiVector& lambda) const {
   const auto data = lambda.getData(0);
   std::vector<double> g;
@@ -47,6 +49,7 @@ std::vector<std::array<double, 2>> CoulombFixedPoint::semiAxes() const {
   return axes;
 }
 
+// Multipliers on the boundary of an ellipse go with it, so that the next step starts from a feasible point with the same active set.
 double CoulombFixedPoint::update(MultiVector& lambda) {
   const auto before = std::move(g_);
   g_ = slipBounds(lambda);

@@ -7,6 +7,7 @@
 
 namespace Haptos {
 
+// A tangential row that is missing or pinned has coefficient 0: the law then pins its force.
 ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
   std::vector<PairLaw> laws;
   for (const auto& pair : multipliers.pairs()) {
@@ -20,6 +21,7 @@ ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<Fr
   return ContactLaw(std::move(laws));
 }
 
+// Ranks agree in three steps: the largest error, the highest node among those that have it, that node's interface.
 WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
                         const KktScales& scales) {
   const auto errors = errorsOfPairs(law, lambda, s, scales.uRef, contactForceScale(law, lambda, scales.load));
