@@ -26,7 +26,9 @@ SimulationResult runFile(const std::string& file, int subdomains) {
   parameters.sublist("Mesh").set("File", file);
   Simulation simulation(world(), parameters);
   simulation.prepare();
-  return simulation.solve();
+  auto result = simulation.solve();
+  result.displacement = wholeOnRoot(*world(), result.displacement);
+  return result;
 }
 
 // Runs of elements in their order; the first part has the end of the lower beam and the start of the upper one.

@@ -41,6 +41,7 @@ inline Run runBeams(const RCP<const Communicator>& comm, Sets sets, Scene scene 
   run.simulation = std::make_unique<Simulation>(comm, parameters);
   run.simulation->prepare();
   run.result = run.simulation->solve();
+  run.result.displacement = wholeOnRoot(*comm, run.result.displacement);
   return run;
 }
 

@@ -105,6 +105,7 @@ Formulation simulate(const RCP<const Communicator>& comm, const Scene& scene, co
     Teuchos::reduceAll(*comm, Teuchos::REDUCE_MIN, mine[0], Teuchos::outArg(outcome.fewestPairs));
     Teuchos::reduceAll(*comm, Teuchos::REDUCE_MIN, mine[1], Teuchos::outArg(outcome.fewestSubdomains));
     outcome.result = run.solve();
+    outcome.result.displacement = wholeOnRoot(*comm, outcome.result.displacement);
     outcome.status = outcome.result.solved ? 0 : 2;
     outcome.message = outcome.result.report.solver.reason;
   } catch (const InputError& e) {

@@ -112,7 +112,9 @@ SimulationResult ScenarioBuilder::solve() const {
   Simulation run(Tpetra::getDefaultComm(), validatedParameters(parameters_), nullptr, &source_);
   for (const auto& forces : forces_) run.addNodalForces(forces);
   run.prepare();
-  return run.solve();
+  SimulationResult result = run.solve();
+  result.displacement = wholeOnRoot(*Tpetra::getDefaultComm(), result.displacement);
+  return result;
 }
 
 std::vector<double> gradedAxis(double fine, int fineCells, double length, int n) {

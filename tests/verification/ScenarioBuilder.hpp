@@ -55,7 +55,7 @@ class ScenarioBuilder {
   /// \brief The model, without a factorisation.  Collective.
   ModelReport prepare() const;
   /// \brief Collective; fields and pairs are on rank 0.
-  SimulationResult solve() const;
+  SimulationResult solve() const;  ///< displacements of the whole mesh on rank 0
 
  private:
   template <class T>

@@ -127,6 +127,33 @@ std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message) {
   return incoming;
 }
 
+void passToRoot(const Communicator& comm, ByteView mine, std::size_t pieceSize,
+                const std::function<void(int rank, ByteView piece)>& take, int root) {
+  const int ranks = comm.getSize(), me = comm.getRank();
+  std::vector<std::uint64_t> sizes(std::size_t(ranks), mine.size);
+  if (ranks > 1) {
+    const std::uint64_t size = mine.size;
+    MPI_Gather(&size, 1, MPI_UINT64_T, sizes.data(), 1, MPI_UINT64_T, root, rawComm(comm));
+  }
+  if (me != root) {  // one at a time: the next one waits here until root has room for it
+    for (std::size_t at = 0; at < mine.size; at += pieceSize)
+      MPI_Ssend(mine.data + at, int(std::min(pieceSize, mine.size - at)), MPI_BYTE, root, 72, rawComm(comm));
+    return;
+  }
+  Bytes buffer;
+  for (int r = 0; r < ranks; ++r)
+    for (std::size_t at = 0; at < sizes[std::size_t(r)]; at += pieceSize) {
+      const std::size_t size = std::min<std::size_t>(pieceSize, sizes[std::size_t(r)] - at);
+      if (r == me) {
+        take(r, {mine.data + at, size});
+        continue;
+      }
+      buffer.resize(size);
+      MPI_Recv(buffer.data(), int(size), MPI_BYTE, r, 72, rawComm(comm), MPI_STATUS_IGNORE);
+      take(r, {buffer.data(), size});
+    }
+}
+
 int lowestRankOfNode(const Communicator& comm) {
   MPI_Comm node;
   MPI_Comm_split_type(rawComm(comm), MPI_COMM_TYPE_SHARED, comm.getRank(), MPI_INFO_NULL, &node);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_MeshShare.hpp"
 
+#include <Teuchos_Assert.hpp>
 #include <Teuchos_Comm.hpp>
 
 #include "Haptos_ByteBuffer.hpp"
@@ -31,6 +32,7 @@ void sliceSideSets(const Mesh& whole, MeshShare& share) {
     SideSet mine{set.id, set.name, {}};
     std::vector<Index> positions;
     for (std::size_t i = 0; i < set.sides.size(); ++i) {
+      TEUCHOS_ASSERT(set.sides[i].element >= 0 && set.sides[i].element < share.elements.size);
       if (set.sides[i].element < share.firstElement() || set.sides[i].element >= share.endElement()) continue;
       mine.sides.push_back(set.sides[i]);
       positions.push_back(Index(i));
@@ -46,6 +48,7 @@ void sliceNodeSets(const Mesh& whole, MeshShare& share) {
     NodeSet mine{set.id, set.name, {}};
     std::vector<Index> positions;
     for (std::size_t i = 0; i < set.nodes.size(); ++i) {
+      TEUCHOS_ASSERT(set.nodes[i] >= 0 && set.nodes[i] < share.nodes.size);
       if (set.nodes[i] < share.firstNode() || set.nodes[i] >= share.endNode()) continue;
       mine.nodes.push_back(set.nodes[i]);
       positions.push_back(Index(i));

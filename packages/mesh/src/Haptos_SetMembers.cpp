@@ -3,19 +3,34 @@
 
 #include <Teuchos_Comm.hpp>
 #include <algorithm>
+#include <numeric>
 
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
 
-// By set and by place in it, each at the rank in whose range its index lies.
-std::vector<SetMember> dealMembers(const Communicator& comm, const std::vector<SetMember>& members, const EvenRanges& ranges) {
-  auto mine = sendItems(comm, members, [&](const SetMember& m) { return ranges.owner(m.index); });
+// By set and by place in it.
+template <class RankOf>
+std::vector<SetMember> sendSorted(const Communicator& comm, const std::vector<SetMember>& members, const RankOf& rankOf) {
+  auto mine = sendItems(comm, members, rankOf);
   std::sort(mine.begin(), mine.end(), [](const SetMember& a, const SetMember& b) {
     return a.set != b.set ? a.set < b.set : a.position < b.position;
   });
   return mine;
+}
+
+// Each at the rank in whose range its index lies.
+std::vector<SetMember> dealMembers(const Communicator& comm, const std::vector<SetMember>& members, const EvenRanges& ranges) {
+  return sendSorted(comm, members, [&](const SetMember& m) { return ranges.owner(m.index); });
+}
+
+// Each at the rank in whose range its place lies, counted over all sets.
+std::vector<SetMember> inOrder(const Communicator& comm, const std::vector<SetMember>& members, const std::vector<std::int64_t>& sizes) {
+  std::vector<std::int64_t> starts(sizes.size() + 1, 0);
+  std::partial_sum(sizes.begin(), sizes.end(), starts.begin() + 1);
+  const EvenRanges ranges{starts.back(), comm.getSize()};
+  return sendSorted(comm, members, [&](const SetMember& m) { return ranges.owner(starts[std::size_t(m.set)] + m.position); });
 }
 
 }  // namespace
@@ -34,6 +49,24 @@ void dealSetNodes(const Communicator& comm, const std::vector<SetMember>& member
     share.part.nodeSets[std::size_t(m.set)].nodes.push_back(m.index);
     share.nodePositions[std::size_t(m.set)].push_back(m.position);
   }
+}
+
+std::vector<SetMember> sidesInOrder(const Communicator& comm, const MeshShare& share) {
+  std::vector<SetMember> members;
+  for (std::size_t s = 0; s < share.sidePositions.size(); ++s)
+    for (std::size_t i = 0; i < share.sidePositions[s].size(); ++i) {
+      const ElementSide& side = share.part.sideSets[s].sides[i];
+      members.push_back({share.sidePositions[s][i], side.element, int(s), side.side});
+    }
+  return inOrder(comm, members, share.sideSetSizes);
+}
+
+std::vector<SetMember> setNodesInOrder(const Communicator& comm, const MeshShare& share) {
+  std::vector<SetMember> members;
+  for (std::size_t s = 0; s < share.nodePositions.size(); ++s)
+    for (std::size_t i = 0; i < share.nodePositions[s].size(); ++i)
+      members.push_back({share.nodePositions[s][i], share.part.nodeSets[s].nodes[i], int(s), 0});
+  return inOrder(comm, members, share.nodeSetSizes);
 }
 
 }  // namespace Haptos

@@ -20,4 +20,10 @@ void dealSides(const Communicator& comm, const std::vector<SetMember>& members, 
 /// \brief The same for node sets.  Collective.
 void dealSetNodes(const Communicator& comm, const std::vector<SetMember>& members, MeshShare& share);
 
+/// \brief All members of the side sets of `share` in their order, set after set, in even ranges.  Collective.
+std::vector<SetMember> sidesInOrder(const Communicator& comm, const MeshShare& share);
+
+/// \brief The same for node sets.  Collective.
+std::vector<SetMember> setNodesInOrder(const Communicator& comm, const MeshShare& share);
+
 }  // namespace Haptos

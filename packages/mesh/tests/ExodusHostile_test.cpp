@@ -6,6 +6,7 @@
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <fstream>
+#include <functional>
 #include <limits>
 #include <sstream>
 
@@ -238,18 +239,26 @@ TEUCHOS_UNIT_TEST(HostileFile, IndicesOutOfRange) {
     TEST_ASSERT(says(writeAndRefuse(folder, mesh), path,
                      {"element block 1 ('box')", "node " + std::to_string(node + 1), "from 1 to 125"}, out));
   }
-  Mesh mesh = good;
-  mesh.nodeSets[0].nodes[0] = 125;
-  TEST_ASSERT(
-      says(writeAndRefuse(folder, mesh), path, {"node set 8 ('corner')", "node 126", "from 1 to 125"}, out));
-  mesh = good;
-  mesh.sideSets[0].sides[3].side = 6;
-  TEST_ASSERT(says(writeAndRefuse(folder, mesh), path,
-                   {"side set 1 ('west')", "side 7", "HEX8 go from 1 to 6"}, out));
-  mesh = good;
-  mesh.sideSets[0].sides[3].element = 64;
-  TEST_ASSERT(
-      says(writeAndRefuse(folder, mesh), path, {"side set 1 ('west')", "element 65", "from 1 to 64"}, out));
+  const auto spoil = [&](const std::function<void(int)>& put) {
+    onRoot([&] {
+      writeMesh(path, good);
+      int wordSize = 8, fileWordSize = 0;
+      float version = 0;
+      const int id = ex_open(path.c_str(), EX_WRITE, &wordSize, &fileWordSize, &version);
+      put(id);
+      ex_close(id);
+    });
+    return refusal(folder, path);
+  };
+  const int node = 126;
+  TEST_ASSERT(says(spoil([&](int id) { ex_put_partial_node_set(id, 8, 1, 1, &node); }), path,
+                   {"node set 8 ('corner')", "node 126", "from 1 to 125"}, out));
+  const auto side = [&](int place, int element, int number) {
+    return spoil([&](int id) { ex_put_partial_side_set(id, 1, place, 1, &element, &number); });
+  };
+  TEST_ASSERT(says(side(4, 13, 7), path, {"side set 1 ('west')", "side 7 of element 13", "HEX8 go from 1 to 6"}, out));
+  TEST_ASSERT(says(side(4, 65, 4), path, {"side set 1 ('west')", "element 65", "from 1 to 64"}, out));
+  TEST_ASSERT(says(side(16, 0, 4), path, {"side set 1 ('west')", "element 0", "from 1 to 64"}, out));
 }
 
 TEUCHOS_UNIT_TEST(HostileFile, CoordinatesMustBeFinite) {

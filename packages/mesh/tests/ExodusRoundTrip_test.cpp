@@ -3,8 +3,10 @@
 #include <sys/resource.h>
 
 #include <Teuchos_UnitTestHarness.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <csignal>
 #include <fstream>
+#include <sstream>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
@@ -63,13 +65,40 @@ class ResultFile {
   int id_;
 };
 
-ResultFields makeFields(const Mesh& mesh, double factor) {
-  std::vector<double> x(mesh.numNodes()), twice(mesh.numNodes()), element(mesh.numElements());
+using Values = std::vector<double>;
+
+Values slice(const Values& all, const EvenRanges& ranges) {
+  const int rank = ranges.ranks == 1 ? 0 : world().getRank();
+  return {all.begin() + ranges.begin(rank), all.begin() + ranges.begin(rank + 1)};
+}
+
+/// This rank's part of fields of the whole mesh; of all of it where `ranks` is 1.
+ResultFields makeFields(const Mesh& mesh, double factor, int ranks = world().getSize()) {
+  Values x(mesh.numNodes()), twice(x), element(mesh.numElements());
   for (std::size_t i = 0; i < x.size(); ++i) x[i] = factor * double(i), twice[i] = 2 * x[i];
   for (std::size_t e = 0; e < element.size(); ++e) element[e] = factor + 100.0 * double(e);
-  return {{{"displacement_x", x}, {"a_nodal_field_with_a_name_of_fifty_characters_____", twice}},
-          {{"stress_xx", element}, {"subdomain", element}},
+  const EvenRanges nodes{std::int64_t(x.size()), ranks}, elements{std::int64_t(element.size()), ranks};
+  return {{{"displacement_x", slice(x, nodes)}, {"a_nodal_field_with_a_name_of_fifty_characters_____", slice(twice, nodes)}},
+          {{"stress_xx", slice(element, elements)}, {"subdomain", slice(element, elements)}},
           {{"kkt", 1e-7 * factor}, {"hessian_multiplications", 10 * factor}}};
+}
+
+RCP<const Communicator> worldComm() { return Teuchos::DefaultComm<int>::getComm(); }
+
+MeshShare shareOf(const Mesh& mesh) { return sliceOfMesh(mesh, world().getRank(), world().getSize()); }
+
+std::string bytesOf(const std::string& path) {
+  std::ostringstream bytes;
+  bytes << std::ifstream(path, std::ios::binary).rdbuf();
+  return bytes.str();
+}
+
+void writeResults(const RCP<const Communicator>& comm, const std::string& path, const Mesh& mesh) {
+  const int ranks = comm->getSize();
+  ExodusWriter writer(comm, path, sliceOfMesh(mesh, comm->getRank(), ranks));
+  writer.writeStep(1.0, makeFields(mesh, 1.0, ranks));
+  writer.writeStep(2.5, makeFields(mesh, 3.0, ranks));
+  writer.close();
 }
 
 }  // namespace
@@ -104,17 +133,12 @@ TEUCHOS_UNIT_TEST(Exodus, ResultsAreWrittenStepByStep) {
   const TestFolder folder;
   for (const Mesh& mesh : {makeRichMesh(), makeWideMesh()}) {
     const auto path = folder.file("r.exo");
-    {
-      ExodusWriter writer(path, mesh);
-      writer.writeStep(1.0, makeFields(mesh, 1.0));
-      writer.writeStep(2.5, makeFields(mesh, 3.0));
-      writer.close();
-    }
+    writeResults(worldComm(), path, mesh);
     compareWithFile(mesh, path, out, success);
     const ResultFile file(path);
     TEST_EQUALITY(file.steps(), 2);
     TEST_EQUALITY(file.time(2), 2.5);
-    const auto fields = makeFields(mesh, 3.0);
+    const auto fields = makeFields(mesh, 3.0, 1);
     for (int i = 1; i <= 2; ++i) {
       TEST_EQUALITY(file.name(EX_NODAL, i), fields.nodal[std::size_t(i - 1)].first);
       TEST_EQUALITY(file.name(EX_ELEM_BLOCK, i), fields.element[std::size_t(i - 1)].first);
@@ -132,19 +156,31 @@ TEUCHOS_UNIT_TEST(Exodus, ResultsAreWrittenStepByStep) {
   }
 }
 
+// Piece by piece from all ranks, more than one piece from each: byte by byte what one rank writes.
+TEUCHOS_UNIT_TEST(Exodus, RanksWriteTheFileOfOneRank) {
+  const TestFolder folder;
+  for (const Mesh& mesh : {makeRichMesh(), makeTwoBeams({2, 16})}) {
+    onRoot([&] { writeResults(Teuchos::rcp(new Teuchos::SerialComm<int>()), folder.file("one.exo"), mesh); });
+    writeResults(worldComm(), folder.file("all.exo"), mesh);
+    TEST_ASSERT(bytesOf(folder.file("all.exo")) == bytesOf(folder.file("one.exo")));
+  }
+  const std::size_t connectivity = 8 * sizeof(std::int64_t) * makeTwoBeams({2, 16}).numElements();
+  TEST_ASSERT(connectivity / std::size_t(world().getSize()) > ExodusWriter::kPieceBytes);
+}
+
 TEUCHOS_UNIT_TEST(Exodus, MisuseOfTheWriterIsNoticed) {
   const TestFolder folder;
   const Mesh mesh = makeRichMesh();
-  ExodusWriter writer(folder.file("r.exo"), mesh);
+  ExodusWriter writer(worldComm(), folder.file("r.exo"), shareOf(mesh));
   auto shorter = makeFields(mesh, 1.0);
-  shorter.nodal[0].second.pop_back();
-  TEST_THROW(writer.writeStep(1.0, shorter), std::logic_error);
+  if (world().getRank() == world().getSize() - 1) shorter.nodal[0].second.pop_back();
+  TEST_THROW(writer.writeStep(1.0, shorter), CollectiveError);
 
-  ExodusWriter second(folder.file("s.exo"), mesh);
+  ExodusWriter second(worldComm(), folder.file("s.exo"), shareOf(mesh));
   second.writeStep(1.0, makeFields(mesh, 1.0));
   auto renamed = makeFields(mesh, 1.0);
   renamed.element[0].first = "stress_yy";
-  TEST_THROW(second.writeStep(2.0, renamed), std::logic_error);
+  TEST_THROW(second.writeStep(2.0, renamed), CollectiveError);
   second.close();
   TEST_THROW(second.close(), std::logic_error);
   TEST_THROW(second.writeStep(2.0, makeFields(mesh, 1.0)), std::logic_error);
@@ -153,24 +189,29 @@ TEUCHOS_UNIT_TEST(Exodus, MisuseOfTheWriterIsNoticed) {
 TEUCHOS_UNIT_TEST(Exodus, NoPartialFilePassesAsWhole) {
   const TestFolder folder;
   const Mesh mesh = makeRichMesh();
-  std::ofstream(folder.file("r.exo")) << "an older result";
+  onRoot([&] { std::ofstream(folder.file("r.exo")) << "an older result"; });
   {
-    ExodusWriter writer(folder.file("r.exo"), mesh);
+    ExodusWriter writer(worldComm(), folder.file("r.exo"), shareOf(mesh));
     writer.writeStep(1.0, makeFields(mesh, 1.0));
-    TEST_EQUALITY(folder.entries().size(), 2u);  // the temporary file beside the older one
-    TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
+    onRoot([&] {
+      TEST_EQUALITY(folder.entries().size(), 2u);  // the temporary file beside the older one
+      TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
+    });
   }
-  TEST_EQUALITY(folder.entries().size(), 1u);
-  TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
+  onRoot([&] {
+    TEST_EQUALITY(folder.entries().size(), 1u);
+    TEST_EQUALITY(firstBytes(folder.file("r.exo")), "an o");
 
-  onRoot([&] { writeMesh(folder.file("r.exo"), mesh); });
-  TEST_EQUALITY(folder.entries().size(), 1u);
-  TEST_EQUALITY(firstBytes(folder.file("r.exo")).substr(0, 3), "CDF");
-  const auto permissions = std::filesystem::status(folder.file("r.exo")).permissions();
-  std::ofstream(folder.file("plain")) << "x";
-  TEST_ASSERT(permissions == std::filesystem::status(folder.file("plain")).permissions());
+    writeMesh(folder.file("r.exo"), mesh);
+    TEST_EQUALITY(folder.entries().size(), 1u);
+    TEST_EQUALITY(firstBytes(folder.file("r.exo")).substr(0, 3), "CDF");
+    const auto permissions = std::filesystem::status(folder.file("r.exo")).permissions();
+    std::ofstream(folder.file("plain")) << "x";
+    TEST_ASSERT(permissions == std::filesystem::status(folder.file("plain")).permissions());
+  });
 }
 
+// Rank 0 fails in the middle; the others have still to send.
 TEUCHOS_UNIT_TEST(Exodus, FullDiskIsReportedAndLeavesNothing) {
   const TestFolder folder;
   const Mesh mesh = makeTwoBeams({2, 4});
@@ -178,19 +219,21 @@ TEUCHOS_UNIT_TEST(Exodus, FullDiskIsReportedAndLeavesNothing) {
   getrlimit(RLIMIT_FSIZE, &before);
   const auto oldHandler = std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{20000, before.rlim_max};
-  setrlimit(RLIMIT_FSIZE, &small);
   std::string message;
+  if (world().getRank() == 0) setrlimit(RLIMIT_FSIZE, &small);
   try {
-    writeMesh(folder.file("full.exo"), mesh);
-  } catch (const std::runtime_error& e) {
+    writeResults(worldComm(), folder.file("full.exo"), mesh);
+  } catch (const CollectiveError& e) {
     message = e.what();
   }
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, oldHandler);
   TEST_INEQUALITY(message.find("full.exo' cannot be written"), std::string::npos);
-  TEST_EQUALITY(folder.entries().size(), 0u);
-  onRoot([&] { writeMesh(folder.file("full.exo"), mesh); });  // the limit was what stopped it
-  TEST_COMPARE(std::filesystem::file_size(folder.file("full.exo")), >, 20000u);
+  onRoot([&] {
+    TEST_EQUALITY(folder.entries().size(), 0u);
+    writeMesh(folder.file("full.exo"), mesh);  // the limit was what stopped it
+    TEST_COMPARE(std::filesystem::file_size(folder.file("full.exo")), >, 20000u);
+  });
 }
 
 TEUCHOS_UNIT_TEST(Exodus, OutputFolderIsCheckedBeforehand) {
@@ -203,6 +246,7 @@ TEUCHOS_UNIT_TEST(Exodus, OutputFolderIsCheckedBeforehand) {
     }
     return "";
   };
+  onRoot([&] {
   std::ofstream(folder.file("plain")) << "x";
   TEST_EQUALITY(messageOf(folder.file("new.exo")), "");
   TEST_EQUALITY(messageOf(folder.file("plain")), "");
@@ -215,4 +259,5 @@ TEUCHOS_UNIT_TEST(Exodus, OutputFolderIsCheckedBeforehand) {
   TEST_INEQUALITY(messageOf("").find("a file name is wanted"), std::string::npos);
   if (std::filesystem::exists("/proc/self"))
     TEST_INEQUALITY(messageOf("/proc/new.exo").find("no file can be written"), std::string::npos);
+  });
 }

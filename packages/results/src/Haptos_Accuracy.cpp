@@ -17,7 +17,7 @@ namespace {
 
 double ratio(double a, double b) { return a == 0 ? 0 : a / b; }
 
-// Largest difference of copies, where it is, and largest displacement, found on rank 0 and sent to all.
+// Largest difference of copies, where it is, and largest displacement.
 struct Continuity {
   double difference = 0, largest = 0;
   std::int64_t node = -1;
@@ -29,20 +29,30 @@ struct Continuity {
   }
 };
 
-Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
-  const auto copies = model.gather.copies(u);
+// Of this rank's nodes.
+Continuity measureOwnNodes(const AccuracyInput& model, const NodalGather::Copies& copies) {
+  const std::int64_t first = model.gather.firstNode();
   Continuity result;
-  for (std::size_t i = 0; i < copies.mean.size(); ++i) result.see(copies.highest[i] - copies.lowest[i], std::int64_t(i / 3));
+  for (std::size_t i = 0; i < copies.mean.size(); ++i) result.see(copies.highest[i] - copies.lowest[i], first + std::int64_t(i / 3));
   for (std::size_t i = 0; i < copies.mean.size(); i += 3)
     result.largest = std::max(result.largest, std::hypot(copies.mean[i], copies.mean[i + 1], copies.mean[i + 2]));
-  if (!copies.mean.empty())
-    for (const auto& p : model.prescribed) {
-      const std::size_t at = 3 * std::size_t(p.node) + p.component;
-      result.see(std::max(std::abs(copies.highest[at] - p.value), std::abs(copies.lowest[at] - p.value)), p.node);
-    }
-  double values[3] = {result.difference, result.largest, double(result.node)};
-  Teuchos::broadcast(*u.getMap()->getComm(), 0, 3, values);
-  return {values[0], values[1], std::int64_t(values[2])};
+  for (const auto& p : model.prescribed) {
+    const std::size_t at = 3 * std::size_t(p.node - first) + std::size_t(p.component);
+    result.see(std::max(std::abs(copies.highest[at] - p.value), std::abs(copies.lowest[at] - p.value)), p.node);
+  }
+  return result;
+}
+
+Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
+  const Continuity mine = measureOwnNodes(model, model.gather.copies(u));
+  const auto& comm = *u.getMap()->getComm();
+  const double values[2] = {mine.difference, mine.largest};
+  double most[2];
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, 2, values, most);
+  const GlobalOrdinal candidate = mine.difference == most[0] && mine.node >= 0 ? mine.node : std::numeric_limits<GlobalOrdinal>::max();
+  GlobalOrdinal node = 0;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, candidate, Teuchos::outArg(node));
+  return {most[0], most[1], most[0] > 0 ? std::int64_t(node) : -1};
 }
 
 int numBodies(const AccuracyInput& model, const Communicator& comm) {
@@ -86,14 +96,15 @@ double measureTied(const MultiplierMap& multipliers, const Vector& s) {
 
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm) {
   const auto nodal = gather.sum(f);
-  std::array<double, 2> result{0, 0};
+  double squares = 0, largest = 0, allSquares = 0, allLargest = 0;
   for (std::size_t i = 0; i < nodal.size(); i += 3) {
     const double load = std::hypot(nodal[i], nodal[i + 1], nodal[i + 2]);
-    result[0] += load * load;
-    result[1] = std::max(result[1], load);
+    squares += load * load;
+    largest = std::max(largest, load);
   }
-  Teuchos::broadcast(comm, 0, 2, result.data());
-  return {std::sqrt(result[0]), result[1]};
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, squares, Teuchos::outArg(allSquares));
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, largest, Teuchos::outArg(allLargest));
+  return {std::sqrt(allSquares), allLargest};
 }
 
 LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda) {

@@ -43,7 +43,7 @@ struct AccuracyInput {
   const ContactLaw& law;
   const Vector& f;                                        ///< primal map
   const Vector& c;                                        ///< dual map
-  const std::vector<PrescribedDisplacement>& prescribed;  ///< rank 0 only
+  const std::vector<PrescribedDisplacement>& prescribed;  ///< at nodes of this rank's range, see NodalGather::nodes
   const NodalGather& gather;
   LoadScales loads;
 };

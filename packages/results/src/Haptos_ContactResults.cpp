@@ -109,15 +109,22 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
   return results;
 }
 
-void setSlip(const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
+void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
+  std::vector<std::int64_t> nodes;
+  for (const PairResult& pair : pairs)
+    for (const auto* side : {&pair.secondary, &pair.primary})
+      for (const NodeWeight& share : *side) nodes.push_back(share.node);
+  const auto values = gather.fetch(displacement, nodes);
+  const double* u = values.data();  // of the next node
   const auto sumOf = [&](const std::vector<NodeWeight>& side) {
     std::array<double, 3> sum{0, 0, 0};
-    for (const auto& [node, weight] : side)
-      for (int d = 0; d < 3; ++d) sum[d] += weight * displacement[3 * std::size_t(node) + std::size_t(d)];
+    for (const NodeWeight& share : side)
+      for (int d = 0; d < 3; ++d) sum[d] += share.weight * *u++;
     return sum;
   };
   for (PairResult& pair : pairs) {
-    const auto jump = Vec3::subtract(sumOf(pair.secondary), sumOf(pair.primary));
+    const auto secondary = sumOf(pair.secondary), primary = sumOf(pair.primary);
+    const auto jump = Vec3::subtract(secondary, primary);
     const double opening = Vec3::dot(jump, pair.normal);
     for (int d = 0; d < 3; ++d) pair.slip[d] = jump[d] - opening * pair.normal[d];
   }

@@ -6,6 +6,7 @@
 
 #include "Haptos_ContactLaw.hpp"
 #include "Haptos_MultiplierMap.hpp"
+#include "Haptos_NodalGather.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -46,8 +47,9 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
                                           const Vector& lambda);
 
 /// \brief Tangential part of u_secondary - u_primary for all pairs, also those without tangential rows.
-/// \param displacement [3 x mesh nodes], mean of the copies
-void setSlip(const std::vector<double>& displacement, std::vector<PairResult>& pairs);
+/// \param displacement [3 x nodes of this rank's range], mean of the copies
+/// \param pairs on any rank.  Collective.
+void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs);
 
 /// \brief Sums over one interface.
 struct InterfaceResult {

@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -15,6 +15,12 @@ struct SentElement {
   std::int64_t element;
   int subdomain;
   Stress stress;
+};
+
+struct SentContact {
+  std::int64_t node;
+  double factor;  ///< of the pair's force
+  PairState pair;
 };
 
 using Values = std::vector<double>;
@@ -28,15 +34,14 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
   }
 }
 
-// Contact quantities on the nodes; those of both sides of a pair get them, the primary ones the opposite force.
+// Contact quantities on the nodes of a range; those of both sides of a pair get them, the primary ones the opposite force.
 struct ContactFields {
   Values force, slip, axis, normalForce, pressure, gap, status;
 
   explicit ContactFields(std::size_t n)
       : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0) {}
 
-  void add(std::int64_t node, double factor, const PairResult& pair) {
-    const std::size_t i = std::size_t(node);
+  void add(std::size_t i, double factor, const PairState& pair) {
     for (int d = 0; d < 3; ++d) {
       force[3 * i + d] += factor * pair.force[d];
       slip[3 * i + d] = pair.slip[d];
@@ -49,11 +54,24 @@ struct ContactFields {
   }
 };
 
+ContactFields makeContactFields(const Communicator& comm, const EvenRanges& nodes, const std::vector<PairResult>& pairs) {
+  std::vector<SentContact> sent;
+  for (const auto& pair : pairs) {
+    for (const auto& [node, weight] : pair.secondary) sent.push_back({node, +weight, pair});
+    for (const auto& [node, weight] : pair.primary) sent.push_back({node, -weight, pair});
+  }
+  const int rank = comm.getRank();
+  ContactFields fields(std::size_t(nodes.count(rank)));
+  for (const auto& s : sendItems(comm, sent, [&](const SentContact& c) { return nodes.owner(c.node); }))
+    fields.add(std::size_t(s.node - nodes.begin(rank)), s.factor, s.pair);
+  return fields;
+}
+
 }  // namespace
 
 ElementResults gatherElementResults(const Communicator& comm, const std::vector<Subdomain>& subdomains,
                                     const std::vector<IsotropicMaterial>& materials, const std::vector<std::size_t>& offsets,
-                                    const MultiVector& u, std::size_t numMeshElements) {
+                                    const MultiVector& u, const EvenRanges& elements) {
   const auto data = u.getData(0);
   std::vector<SentElement> mine;
   for (std::size_t i = 0; i < subdomains.size(); ++i) {
@@ -64,31 +82,21 @@ ElementResults gatherElementResults(const Communicator& comm, const std::vector<
       for (const auto& stress : elementStresses(sub.coordinates, group, materials[group.material], ui))
         mine.push_back({sub.elements[element++], sub.id, stress});
   }
-  ByteWriter writer;
-  writer.write(mine);
+  const auto first = elements.begin(comm.getRank());
   ElementResults result;
-  if (comm.getRank() == 0) {
-    result.stress.resize(numMeshElements);
-    result.subdomain.resize(numMeshElements);
+  result.stress.resize(std::size_t(elements.count(comm.getRank())));
+  result.subdomain.resize(result.stress.size());
+  for (const auto& sent : sendItems(comm, mine, [&](const SentElement& e) { return elements.owner(e.element); })) {
+    result.stress[std::size_t(sent.element - first)] = sent.stress;
+    result.subdomain[std::size_t(sent.element - first)] = sent.subdomain;
   }
-  for (const auto& message : gatherOnRoot(comm, writer.take()))
-    for (const auto& sent : ByteReader(message).readVector<SentElement>()) {
-      result.stress[sent.element] = sent.stress;
-      result.subdomain[sent.element] = sent.subdomain;
-    }
   return result;
 }
 
-ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& displacement,
-                              const std::vector<PairResult>& pairs, const ElementResults& elements, double kkt,
-                              long hessianMultiplications) {
+ResultFields makeResultFields(const Communicator& comm, const EvenRanges& nodes, const StepResults& results) {
   ResultFields fields;
-  addVector(fields, "displacement", displacement);
-  ContactFields contact(numNodes);
-  for (const auto& pair : pairs) {
-    for (const auto& [node, weight] : pair.secondary) contact.add(node, +weight, pair);
-    for (const auto& [node, weight] : pair.primary) contact.add(node, -weight, pair);
-  }
+  addVector(fields, "displacement", results.displacement);
+  ContactFields contact = makeContactFields(comm, nodes, results.pairs);
   addVector(fields, "contact_force", contact.force);
   fields.nodal.emplace_back("contact_normal_force", std::move(contact.normalForce));
   fields.nodal.emplace_back("contact_pressure", std::move(contact.pressure));
@@ -98,6 +106,7 @@ ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& d
   addVector(fields, "friction_axis", contact.axis);
 
   const char* const components[6] = {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
+  const ElementResults& elements = results.elements;
   const std::size_t n = elements.stress.size();
   for (int k = 0; k < 6; ++k) {
     Values values(n);
@@ -108,7 +117,7 @@ ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& d
   for (std::size_t e = 0; e < n; ++e) mises[e] = vonMises(elements.stress[e]);
   fields.element.emplace_back("von_mises", std::move(mises));
   fields.element.emplace_back("subdomain", elements.subdomain);
-  fields.global = {{"kkt", kkt}, {"hessian_multiplications", double(hessianMultiplications)}};
+  fields.global = {{"kkt", results.kkt}, {"hessian_multiplications", double(results.hessianMultiplications)}};
   return fields;
 }
 

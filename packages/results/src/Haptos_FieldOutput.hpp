@@ -1,27 +1,37 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <vector>
+
 #include "Haptos_ContactResults.hpp"
+#include "Haptos_EvenRanges.hpp"
 #include "Haptos_ExodusWriter.hpp"
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_NodalGather.hpp"
 
 namespace Haptos {
 
-/// \brief Stresses and subdomain of every element of the mesh, on rank 0; empty elsewhere.
+/// \brief Stresses and subdomain of the elements of this rank's range.
 struct ElementResults {
-  std::vector<Stress> stress;     ///< [numElements] xx yy zz xy yz zx
-  std::vector<double> subdomain;  ///< [numElements]
+  std::vector<Stress> stress;     ///< [elements of the range] xx yy zz xy yz zx
+  std::vector<double> subdomain;  ///< [elements of the range]
 };
 
-/// \param u on the primal map, \param offsets [local subdomains + 1] into it.  Collective.
+/// \param u on the primal map, \param offsets [local subdomains + 1] into it
+/// \param elements of the mesh, dealt to the ranks.  Collective.
 ElementResults gatherElementResults(const Communicator& comm, const std::vector<Subdomain>& subdomains,
                                     const std::vector<IsotropicMaterial>& materials, const std::vector<std::size_t>& offsets,
-                                    const MultiVector& u, std::size_t numMeshElements);
+                                    const MultiVector& u, const EvenRanges& elements);
 
-/// \brief The fields of the result file; serial, on rank 0.
-/// \param displacement [3 x numNodes]
-ResultFields makeResultFields(std::size_t numNodes, const std::vector<double>& displacement,
-                              const std::vector<PairResult>& pairs, const ElementResults& elements, double kkt,
-                              long hessianMultiplications);
+/// \brief What a step leaves; references are kept.
+struct StepResults {
+  const std::vector<double>& displacement;  ///< [3 x nodes of this rank's range]
+  const std::vector<PairResult>& pairs;     ///< on any rank
+  const ElementResults& elements;
+  double kkt;
+  long hessianMultiplications;
+};
+
+/// \brief This rank's part of the fields of the result file.  Collective.
+ResultFields makeResultFields(const Communicator& comm, const EvenRanges& nodes, const StepResults& results);
 
 }  // namespace Haptos

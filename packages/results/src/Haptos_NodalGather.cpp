@@ -3,69 +3,98 @@
 
 #include <Teuchos_Comm.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <algorithm>
 #include <limits>
 
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
+namespace {
 
-NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<Subdomain>& subdomains, std::size_t numMeshNodes)
-    : comm_(std::move(comm)), numMeshNodes_(numMeshNodes) {
+using Triple = std::array<double, 3>;
+
+struct Copy {
+  Triple values;
+  int rank;
+};
+
+}  // namespace
+
+NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<Subdomain>& subdomains, std::int64_t numMeshNodes)
+    : comm_(std::move(comm)), nodes_{numMeshNodes, comm_->getSize()}, numNodes_(std::size_t(nodes_.count(comm_->getRank()))) {
   std::vector<std::int64_t> mine;
   for (const auto& sub : subdomains) mine.insert(mine.end(), sub.nodes.begin(), sub.nodes.end());
-  ByteWriter writer;
-  writer.write(mine);
-  for (const auto& message : gatherOnRoot(*comm_, writer.take()))
-    nodes_.push_back(ByteReader(message).readVector<std::int64_t>());
+  for (const auto node : mine) ranks_.push_back(nodes_.owner(node));
+  for (const auto node : sendItems(*comm_, mine, [&](std::int64_t n) { return nodes_.owner(n); }))
+    targets_.push_back(std::size_t(node - firstNode()));
 }
 
-std::vector<std::vector<double>> NodalGather::gatherValues(const MultiVector& v) const {
+std::int64_t NodalGather::firstNode() const { return nodes_.begin(comm_->getRank()); }
+
+// By rank and in its order of copies: sums do not depend on who holds the nodes.
+std::vector<Triple> NodalGather::receive(const MultiVector& v) const {
   const auto data = v.getData(0);
-  ByteWriter writer;
-  writer.write(std::vector<double>(data.begin(), data.end()));
-  std::vector<std::vector<double>> values;
-  for (const auto& message : gatherOnRoot(*comm_, writer.take())) values.push_back(ByteReader(message).readVector<double>());
+  std::vector<Copy> mine;
+  mine.reserve(ranks_.size());
+  for (std::size_t i = 0; i < ranks_.size(); ++i) mine.push_back({{data[3 * i], data[3 * i + 1], data[3 * i + 2]}, ranks_[i]});
+  std::vector<Triple> values;
+  for (const auto& copy : sendItems(*comm_, mine, [](const Copy& c) { return c.rank; })) values.push_back(copy.values);
   return values;
 }
 
 NodalGather::Copies NodalGather::copies(const MultiVector& u) const {
-  const auto values = gatherValues(u);
-  Copies result;
-  if (comm_->getRank() != 0) return result;
+  const auto values = receive(u);
   const double infinity = std::numeric_limits<double>::infinity();
-  result.mean.assign(3 * numMeshNodes_, 0.0);
-  result.lowest.assign(3 * numMeshNodes_, infinity);
-  result.highest.assign(3 * numMeshNodes_, -infinity);
-  std::vector<int> count(numMeshNodes_, 0);
-  for (std::size_t rank = 0; rank < values.size(); ++rank)
-    for (std::size_t i = 0; i < nodes_[rank].size(); ++i) {
-      ++count[nodes_[rank][i]];
-      for (int d = 0; d < 3; ++d) {
-        const std::size_t at = 3 * std::size_t(nodes_[rank][i]) + d;
-        const double value = values[rank][3 * i + d];
-        result.mean[at] += value;
-        result.lowest[at] = std::min(result.lowest[at], value);
-        result.highest[at] = std::max(result.highest[at], value);
-      }
+  Copies result;
+  result.mean.assign(3 * numNodes_, 0.0);
+  result.lowest.assign(3 * numNodes_, infinity);
+  result.highest.assign(3 * numNodes_, -infinity);
+  std::vector<int> count(numNodes_, 0);
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    ++count[targets_[i]];
+    for (std::size_t d = 0; d < 3; ++d) {
+      const std::size_t at = 3 * targets_[i] + d;
+      result.mean[at] += values[i][d];
+      result.lowest[at] = std::min(result.lowest[at], values[i][d]);
+      result.highest[at] = std::max(result.highest[at], values[i][d]);
     }
-  for (std::size_t node = 0; node < numMeshNodes_; ++node)
-    for (int d = 0; d < 3; ++d) {
-      double& mean = result.mean[3 * node + d];
-      if (count[node] > 0) mean /= count[node];
-      else result.lowest[3 * node + d] = result.highest[3 * node + d] = 0.0;  // a node without elements
-    }
+  }
+  for (std::size_t at = 0; at < result.mean.size(); ++at) {
+    if (count[at / 3] > 0) result.mean[at] /= count[at / 3];
+    else result.lowest[at] = result.highest[at] = 0.0;  // a node without elements
+  }
   return result;
 }
 
 std::vector<double> NodalGather::sum(const MultiVector& f) const {
-  const auto values = gatherValues(f);
-  std::vector<double> result;
-  if (comm_->getRank() != 0) return result;
-  result.assign(3 * numMeshNodes_, 0.0);
-  for (std::size_t rank = 0; rank < values.size(); ++rank)
-    for (std::size_t i = 0; i < nodes_[rank].size(); ++i)
-      for (int d = 0; d < 3; ++d) result[3 * std::size_t(nodes_[rank][i]) + d] += values[rank][3 * i + d];
+  const auto values = receive(f);
+  std::vector<double> result(3 * numNodes_, 0.0);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    for (std::size_t d = 0; d < 3; ++d) result[3 * targets_[i] + d] += values[i][d];
   return result;
+}
+
+std::vector<double> NodalGather::fetch(const std::vector<double>& field, const std::vector<std::int64_t>& wanted) const {
+  const auto owner = [&](std::int64_t node) { return nodes_.owner(node); };
+  std::vector<std::size_t> countFrom;
+  std::vector<Triple> answers;
+  for (const auto node : sendItems(*comm_, wanted, owner, &countFrom)) {
+    const double* at = &field[3 * std::size_t(node - firstNode())];
+    answers.push_back({at[0], at[1], at[2]});
+  }
+  const auto received = sendAnswers(*comm_, answers, countFrom);
+  std::vector<std::size_t> next(received.size(), 0);
+  std::vector<double> values;
+  for (const auto node : wanted) {
+    const auto r = std::size_t(owner(node));
+    const Triple& x = received[r][next[r]++];
+    values.insert(values.end(), x.begin(), x.end());
+  }
+  return values;
+}
+
+std::vector<double> wholeOnRoot(const Communicator& comm, const std::vector<double>& mine) {
+  return sendItems(comm, mine, [](double) { return 0; });
 }
 
 }  // namespace Haptos

@@ -18,22 +18,22 @@ Scene scene() { return makeScene(heldScene(7)); }
 TEUCHOS_UNIT_TEST(NodalGather, MeanRangeAndSumOfCopies) {
   const Scene s = scene();
   const Dealt dealt = deal(Tpetra::getDefaultComm(), s);
-  const NodalGather gather(Tpetra::getDefaultComm(), dealt.mine, s.mesh.numNodes());
+  const auto comm = Tpetra::getDefaultComm();
+  const NodalGather gather(comm, dealt.mine, std::int64_t(s.mesh.numNodes()));
   const auto offsets = s.offsets();
   const Eigen::VectorXd u = someVector(offsets.back());
   const auto v = scattered(dealt.jump->getDomainMap(), u);
   const auto copies = gather.copies(*v);
   const auto sum = gather.sum(*v);
-  if (Tpetra::getDefaultComm()->getRank() != 0) {
-    TEST_ASSERT(copies.mean.empty() && sum.empty());
-    return;
-  }
+  TEST_EQUALITY(std::int64_t(sum.size()), 3 * gather.nodes().count(comm->getRank()));
+  const std::int64_t first = gather.firstNode(), end = first + std::int64_t(gather.numNodes());
   std::map<std::pair<std::int64_t, int>, std::vector<double>> values;
   for (const auto& sub : s.subdomains)
     for (int i = 0; i < 3 * sub.numNodes(); ++i) values[{sub.nodes[i / 3], i % 3}].push_back(u[offsets[sub.id] + i]);
   bool several = false;
   for (const auto& [key, list] : values) {
-    const std::size_t at = 3 * std::size_t(key.first) + key.second;
+    if (key.first < first || key.first >= end) continue;  // another rank has this node
+    const std::size_t at = 3 * std::size_t(key.first - first) + std::size_t(key.second);
     double total = 0;
     for (double x : list) total += x;
     several = several || list.size() > 2;
@@ -43,6 +43,19 @@ TEUCHOS_UNIT_TEST(NodalGather, MeanRangeAndSumOfCopies) {
     TEST_EQUALITY(copies.highest[at], *std::max_element(list.begin(), list.end()));
   }
   TEST_ASSERT(several);
+
+  // Any rank may ask for any nodes, and for one more than once.
+  const std::int64_t last = std::int64_t(s.mesh.numNodes()) - 1;
+  const std::vector<std::int64_t> wanted{last, comm->getRank(), last / 2, last};
+  const auto fetched = gather.fetch(sum, wanted);
+  TEST_EQUALITY(fetched.size(), 12u);
+  for (std::size_t i = 0; i < 12; ++i) {
+    double total = 0;
+    for (double x : values[{wanted[i / 3], int(i % 3)}]) total += x;
+    TEST_ASSERT(std::abs(fetched[i] - total) < 1e-14);
+  }
+  const auto whole = wholeOnRoot(*comm, sum);
+  TEST_EQUALITY(whole.size(), comm->getRank() == 0 ? 3 * s.mesh.numNodes() : 0);
 }
 
 // ANALYTIC: a linear displacement gives the same stress in all elements of a material.
@@ -53,22 +66,28 @@ TEUCHOS_UNIT_TEST(ElementResults, UniformStrain) {
   Eigen::VectorXd u(offsets.back());
   for (const auto& sub : s.subdomains)
     for (int i = 0; i < sub.numNodes(); ++i) u.segment<3>(offsets[sub.id] + 3 * i) << 1e-3 * sub.coordinates[i][0], 0, 0;
+  const EvenRanges elements{std::int64_t(s.mesh.numElements()), Tpetra::getDefaultComm()->getSize()};
   const auto results = gatherElementResults(Tpetra::getDefaultComm().operator*(), dealt.mine, s.materials, dealt.jump->primalOffsets(),
-                                            *scattered(dealt.jump->getDomainMap(), u), s.mesh.numElements());
-  if (Tpetra::getDefaultComm()->getRank() != 0) return;
-  TEST_EQUALITY(results.stress.size(), s.mesh.numElements());
+                                            *scattered(dealt.jump->getDomainMap(), u), elements);
+  const int rank = Tpetra::getDefaultComm()->getRank();
+  TEST_EQUALITY(std::int64_t(results.stress.size()), elements.count(rank));
   const auto blockStart = blockOffsets(s.mesh);
-  for (std::size_t e = 0; e < results.stress.size(); ++e) {
+  for (std::size_t i = 0; i < results.stress.size(); ++i) {
+    const std::size_t e = i + std::size_t(elements.begin(rank));
     const ElasticModuli m = elasticModuli(s.materials[locateElement(blockStart, std::int64_t(e)).block]);
-    TEST_FLOATING_EQUALITY(results.stress[e][0], 1e-3 * (m.lambda + 2 * m.shear), 1e-10);
-    TEST_FLOATING_EQUALITY(results.stress[e][1], 1e-3 * m.lambda, 1e-10);
-    TEST_FLOATING_EQUALITY(vonMises(results.stress[e]), 2e-3 * m.shear, 1e-10);
-    TEST_EQUALITY(int(results.subdomain[e]), s.partition.ofElement[e]);
+    TEST_FLOATING_EQUALITY(results.stress[i][0], 1e-3 * (m.lambda + 2 * m.shear), 1e-10);
+    TEST_FLOATING_EQUALITY(results.stress[i][1], 1e-3 * m.lambda, 1e-10);
+    TEST_FLOATING_EQUALITY(vonMises(results.stress[i]), 2e-3 * m.shear, 1e-10);
+    TEST_EQUALITY(int(results.subdomain[i]), s.partition.ofElement[e]);
   }
 }
 
 TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
-  const std::vector<double> displacement{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  const auto comm = Tpetra::getDefaultComm();
+  const int rank = comm->getRank(), ranks = comm->getSize();
+  const EvenRanges nodes{3, ranks};
+  std::vector<double> displacement{1, 2, 3, 4, 5, 6, 7, 8, 9};
+  displacement = {displacement.begin() + 3 * nodes.begin(rank), displacement.begin() + 3 * nodes.begin(rank + 1)};
   PairResult pair{};
   pair.secondaryNode = 2;
   pair.secondary = {{2, 1.0}};
@@ -79,9 +98,14 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
   pair.axis = {1, 0, 0};
   pair.status = ContactStatus::Stick;
   ElementResults elements;
-  elements.stress = {{1, 2, 3, 4, 5, 6}};
-  elements.subdomain = {4};
-  const ResultFields fields = makeResultFields(3, displacement, {pair}, elements, 1e-7, 42);
+  if (rank == 0) elements.stress = {{1, 2, 3, 4, 5, 6}}, elements.subdomain = {4};
+  std::vector<PairResult> pairs;
+  if (rank == ranks - 1) pairs = {pair};
+  ResultFields fields = makeResultFields(*comm, nodes, {displacement, pairs, elements, 1e-7, 42});
+  for (auto& [name, values] : fields.nodal) {
+    TEST_EQUALITY(std::int64_t(values.size()), nodes.count(rank));
+    values = wholeOnRoot(*comm, values);
+  }
 
   std::vector<std::string> nodal, element, global;
   for (const auto& field : fields.nodal) nodal.push_back(field.first);
@@ -96,6 +120,7 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
   TEST_ASSERT(element == elementNames);
   TEST_ASSERT((global == std::vector<std::string>{"kkt", "hessian_multiplications"}));
 
+  if (rank != 0) return;
   const auto value = [&](const std::string& name, std::size_t i) {
     for (const auto& field : fields.nodal)
       if (field.first == name) return field.second.at(i);

@@ -12,6 +12,7 @@
 #include "Haptos_Format.hpp"
 #include "Haptos_ParameterValidation.hpp"
 #include "Haptos_PcpgSolver.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SmalseContactSolver.hpp"
 #include "Haptos_SubspaceNewtonSolver.hpp"
 
@@ -138,7 +139,9 @@ void Simulation::prepare() {
     const auto scope = clock_.time(Phase::Assemble);
     system_ = std::make_unique<FetiSystem>(*model_);
     system_->assemble();
-    gather_ = std::make_unique<NodalGather>(comm_, model_->subdomains, model_->global.mesh.numNodes());
+    mesh_ = scatterMesh(*comm_, model_->global.mesh);
+    prescribed_ = sendItems(*comm_, model_->global.prescribed, [&](const auto& p) { return mesh_.nodes.owner(p.node); });
+    gather_ = std::make_unique<NodalGather>(comm_, model_->subdomains, mesh_.nodes.size);
     loads_ = measureLoads(*gather_, system_->f(), *comm_);
     comm_->barrier();  // waiting for a slower rank belongs to the phase that made it slow
   }
@@ -209,7 +212,7 @@ std::unique_ptr<ContactSolver> Simulation::makeSolver() {
 Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {
   u = recoverPrimal(system_->dual(), system_->f(), system_->c(), *solution.lambda, *solution.s);
   const AccuracyInput input{model_->subdomains, model_->data.materials, model_->data.formulation, system_->jump(),
-                            system_->law(), system_->f(), system_->c(), model_->global.prescribed, *gather_, loads_};
+                            system_->law(), system_->f(), system_->c(), prescribed_, *gather_, loads_};
   return measureAccuracy(input, system_->systems(), *u, *solution.lambda);
 }
 
@@ -279,10 +282,10 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   const auto tied = gatherTiedResults(*model_->multipliers, model_->global.interfaces, *result.dual.lambda);
   result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
   result.displacement = gather_->copies(u).mean;
-  setSlip(result.displacement, result.pairs);
+  setSlip(*gather_, result.displacement, result.pairs);
   report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, system_->jump().primalOffsets(), u,
-                                         model_->global.mesh.numElements());
+                                         mesh_.elements);
   result.report = report_;
   return result;
 }
@@ -291,14 +294,13 @@ void Simulation::write(SimulationResult& result) {
   const auto& output = parameters_.sublist("Output");
   {
     const auto scope = clock_.time(Phase::Write);
-    runOnRoot(*comm_, [&] {
-      if (output.get<std::string>("File").empty()) return;
-      const Mesh& mesh = model_->global.mesh;
-      ExodusWriter writer(output.get<std::string>("File"), mesh);
-      writer.writeStep(1.0, makeResultFields(mesh.numNodes(), result.displacement, result.pairs, result.elements,
-                                             result.report.accuracy.errors.kkt(), result.report.solver.hessianMultiplications));
+    if (const auto file = output.get<std::string>("File"); !file.empty()) {
+      const RunReport& report = result.report;
+      ExodusWriter writer(comm_, file, mesh_);
+      writer.writeStep(1.0, makeResultFields(*comm_, mesh_.nodes, {result.displacement, result.pairs, result.elements,
+                                                                   report.accuracy.errors.kkt(), report.solver.hessianMultiplications}));
       writer.close();
-    });
+    }
   }
   result.report.communication = clock_.communication(*comm_);
   result.report.times = clock_.slowest(*comm_);

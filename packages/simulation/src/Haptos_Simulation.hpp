@@ -5,17 +5,18 @@
 
 #include "Haptos_ContactSolver.hpp"
 #include "Haptos_FieldOutput.hpp"
+#include "Haptos_MeshShare.hpp"
 #include "Haptos_Progress.hpp"
 
 namespace Haptos {
 
-/// \brief What one run leaves; fields of the mesh are on rank 0 only.
+/// \brief What one run leaves; of fields of the mesh every rank has its ranges (MeshShare, `wholeOnRoot`).
 struct SimulationResult {
   bool solved = false;  ///< kkt <= Relative Tolerance
   RunReport report;
-  std::vector<double> displacement;  ///< rank 0: [3 x mesh nodes], mean of the copies
+  std::vector<double> displacement;  ///< [3 x nodes of this rank's range], mean of the copies
   std::vector<PairResult> pairs;     ///< rank 0
-  ElementResults elements;           ///< rank 0
+  ElementResults elements;           ///< of this rank's range
   DualSolution dual;                 ///< this rank's part
 };
 
@@ -49,6 +50,7 @@ class Simulation {
   const RunReport& report() const { return report_; }
   const FetiSystem& system() const;
   const DistributedModel& model() const;
+  const MeshShare& mesh() const { return mesh_; }  ///< from `prepare` on
 
  private:
   void describeModel();
@@ -66,6 +68,8 @@ class Simulation {
   RunClock clock_;
   std::unique_ptr<DistributedModel> model_;
   std::unique_ptr<FetiSystem> system_;
+  MeshShare mesh_;
+  std::vector<PrescribedDisplacement> prescribed_;  // of this rank's range of nodes
   std::unique_ptr<NodalGather> gather_;
   LoadScales loads_;
   RunReport report_;

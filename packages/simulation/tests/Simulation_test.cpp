@@ -121,13 +121,14 @@ TEUCHOS_UNIT_TEST(Simulation, PcpgEqualsADirectSolve) {
     list.sublist("Preconditioner").set<std::string>("Type", preconditioner);
     Run run(list, bar());
     run.simulation->prepare();
-    const SimulationResult result = run.simulation->solve();
+    SimulationResult result = run.simulation->solve();
+    result.displacement = wholeOnRoot(*Tpetra::getDefaultComm(), result.displacement);
     TEST_ASSERT(result.solved);
     TEST_EQUALITY(result.report.solver.method, "PCPG");
     TEST_EQUALITY(result.report.model.subdomains, 7);
     TEST_ASSERT(result.report.solver.hessianMultiplications > 5);
-    const NodalGather gather(Tpetra::getDefaultComm(), run.simulation->model().subdomains, run.source.mesh.numNodes());
-    const auto f = gather.sum(run.simulation->system().f());
+    const NodalGather gather(Tpetra::getDefaultComm(), run.simulation->model().subdomains, run.simulation->mesh().nodes.size);
+    const auto f = wholeOnRoot(*Tpetra::getDefaultComm(), gather.sum(run.simulation->system().f()));
     if (Tpetra::getDefaultComm()->getRank() != 0) continue;
     const auto& mesh = run.simulation->model().global.mesh;
     const Eigen::VectorXd u = directSolution(mesh, Eigen::Map<const Eigen::VectorXd>(f.data(), Eigen::Index(f.size())),
