@@ -21,6 +21,7 @@
 #include "Haptos_MpiCounter.hpp"
 #include "Haptos_Parameters.hpp"
 #include "Haptos_RunClock.hpp"
+#include "Haptos_RunOptions.hpp"
 #include "Haptos_Simulation.hpp"
 
 namespace {
@@ -68,7 +69,7 @@ int runSimulation(const RCP<const Communicator>& comm, const CommandLine& line) 
   Simulation simulation(comm, parameters, &progress);
   simulation.prepare();
   if (line.validateOnly) {
-    const auto summary = parameters.sublist("Output").get<std::string>("Summary");
+    const auto summary = runOptions(parameters).output.summary;
     runOnRoot(*comm, [&] {
       if (!summary.empty()) writeTextFile(summary, modelJson(simulation.report()));
     });

@@ -151,6 +151,32 @@ class Solved(SceneTest):
                 self.assertLessEqual(summary["solver"]["hessian_multiplications"], 1500)
                 self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
 
+    def test_smalse_as_published(self):
+        """Every expansion with and without the early end of inner loops: the same answer, and each is heeded."""
+        forces, counts = {}, {}
+        for method, expansion, reduction in [("Subspace Newton", "Automatic", 0.5)] + [
+                ("SMALSE", e, r) for e in ("Automatic", "Projected CG", "Fixed Step") for r in (0, 0.5)]:
+            summary = two_beams(self, 1, Solver__Method=method, Solver__Relative_Tolerance=1e-8,
+                                **{"Solver__SMALSE__Expansion": expansion, "Solver__SMALSE__Inner_Reduction": reduction})
+            key = method, expansion, reduction
+            joint = summary["contact"]["interface"]
+            forces[key] = [joint["normal_force"], *joint["tangential_force"]]
+            counts[key] = summary["solver"]["hessian_multiplications"], summary["solver"]["outer_iterations"]
+        wanted = next(iter(forces.values()))
+        for key, found in forces.items():
+            for a, b in zip(found, wanted):
+                self.assertAlmostEqual(a, b, delta=1e-6 * wanted[0], msg=key)
+        self.assertEqual(len(set(counts.values())), len(counts), counts)
+        self.assertLess(counts["SMALSE", "Automatic", 0.5], counts["SMALSE", "Fixed Step", 0], "the defaults do not pay")
+
+    def test_smalse_without_any_of_our_changes(self):
+        summary = two_beams(self, 1, Solver__Method="SMALSE", **{"Solver__SMALSE__" + name: value for name, value in (
+            ("Expansion", "Fixed Step"), ("Inner_Reduction", 0), ("M_Floor", 0))})
+        self.assertEqual(summary["solver"]["preconditioner_applications"], 0)
+        self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
+        usual = two_beams(self, 1)["contact"]["interface"]["normal_force"]
+        self.assertAlmostEqual(summary["contact"]["interface"]["normal_force"], usual, delta=1e-4 * usual)
+
     def test_displacements_shrink_by_millions(self):
         """A stiff body on a soft one moves far before contact holds it: errors are not measured by what it moved at first."""
         for contrast in ("69e9", "69e12", "69e14"):

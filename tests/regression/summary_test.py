@@ -81,6 +81,13 @@ class Summary(SceneTest):
         self.assertEqual(counts, sorted(counts))
         self.assertLessEqual(counts[-1], solver["hessian_multiplications"])
 
+    def test_preconditioner_that_was_used(self):
+        for values, name in (({}, "Dirichlet"), ({"Preconditioner__Type": "Lumped"}, "Lumped"),
+                             ({"Preconditioner__Type": "None"}, "None"), ({"Solver__Method": "SMALSE"}, "None")):
+            summary = self.solve(stack(**values))
+            self.assertEqual(summary["model"]["preconditioner"], name)
+            self.assertEqual(summary["solver"]["preconditioner_applications"] > 0, name != "None")
+
     def test_times_add_up(self):
         """On one rank; on several, each time is that of the slowest and the sum may be above the total."""
         arguments = [haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=3",

@@ -76,6 +76,13 @@ class WrongParameters(WrongInput):
     def test_unknown_choice(self):
         self.refuse(stack(Solver={"Method": "Smalse"}), "Solver->Method", "'SMALSE'")
 
+    def test_constants_of_smalse(self):
+        self.refuse(stack(Solver={"SMALSE": {"Expansion": "Projected GC"}}), "Solver->SMALSE->Expansion", "'Projected GC'",
+                    "did you mean 'Projected CG'", "Fixed Step")
+        self.refuse(stack(Solver={"SMALSE": {"Inner Reductoin": 0.5}}), "Solver->SMALSE->Inner Reductoin", "'Inner Reduction'")
+        self.refuse(stack(Solver={"SMALSE": {"Inner Reduction": 1.0}}), "Solver->SMALSE->Inner Reduction", "0 <= value < 1")
+        self.refuse(stack(), "Solver->SMALSE->Step Length", "0 < value < 2", arguments=["--set", "Solver->SMALSE->Step Length=2"])
+
     def test_missing_parameter(self):
         scene = stack()
         del scene["Materials"]["soft"]["Young's Modulus"]

@@ -6,8 +6,11 @@
 #include <Teuchos_Comm.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <iostream>
 #include <limits>
+#include <string>
+#include <system_error>
 
 #include "Haptos_RunClock.hpp"
 
@@ -15,10 +18,19 @@ namespace Haptos {
 
 namespace {
 
+// Open MPI's mpirun gives its ranks a pseudo-terminal even where its own output goes to a file: what counts is where that
+// goes.  Where another process than mpirun started this rank (on another node) nobody knows, and it is taken for a file.
+bool endsOnTerminal() {
+  if (isatty(STDOUT_FILENO) != 1) return false;
+  if (!std::getenv("OMPI_COMM_WORLD_RANK")) return true;
+  std::error_code error;
+  const auto target = std::filesystem::read_symlink("/proc/" + std::to_string(getppid()) + "/fd/1", error).string();
+  return !error && (target.rfind("/dev/pts/", 0) == 0 || target.rfind("/dev/tty", 0) == 0);
+}
+
 Progress::Options programOptions() {
   Progress::Options options;
-  // Open MPI's mpirun gives its ranks a pseudo-terminal even where its own output goes to a file.
-  options.terminal = isatty(STDOUT_FILENO) == 1 && !std::getenv("OMPI_COMM_WORLD_RANK");
+  options.terminal = endsOnTerminal();
   return options;
 }
 

@@ -3,15 +3,10 @@
 #include <Eigen/Core>
 
 #include "Haptos_Communication.hpp"
+#include "Haptos_Options.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
-
-/// \brief Where the factor of a coarse matrix lives.
-struct CoarseOptions {
-  int replicatedUpTo = 6000;  ///< coarse unknowns up to which every rank has a factor
-  int ranksPerFactor = 0;      ///< beyond it: ranks that share one; 0: those of a node (of one shared memory)
-};
 
 /// \brief What all coarse matrices of a run cost on this rank.
 struct CoarseCosts {

@@ -3,17 +3,13 @@
 #include <vector>
 
 #include "Haptos_DualGraph.hpp"
+#include "Haptos_Options.hpp"
 #include "Haptos_PieceCut.hpp"
 
 namespace Haptos {
 
-enum class PartitionMethod { Metis, Bricks, Block };
-
-struct PartitionOptions {
-  PartitionMethod method = PartitionMethod::Metis;
-  int subdomains = 0;          ///< total over all bodies; 0 chooses
-  int seed = 1;
-  std::vector<int> bricks;     ///< [numElements], only for PartitionMethod::Bricks
+struct PartitionOptions : DecompositionOptions {
+  std::vector<int> bricks;  ///< [numElements], only for PartitionMethod::Bricks
 };
 
 /// \brief Elements to subdomains: every subdomain lies in one body and is connected through sides.

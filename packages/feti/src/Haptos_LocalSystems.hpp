@@ -10,6 +10,7 @@
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_DenseSurfaceMatrices.hpp"
 #include "Haptos_LocalSolver.hpp"
+#include "Haptos_Options.hpp"
 #include "Haptos_Subdomain.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -24,10 +25,6 @@ struct LocalSystem {
 
   const Eigen::MatrixXd& R() const { return *kernel; }  ///< [n x 6], orthonormal columns, K R = 0
 };
-
-/// \brief How K^+ acts in an application of F: by solves with a sparse factor, by dense matrices on the surface, or
-/// for every class of congruent subdomains by what is predicted to be faster.
-enum class LocalDual { Automatic, Implicit, Explicit };
 
 /// \brief Stiffnesses, kernels and factors of this rank's subdomains.
 ///

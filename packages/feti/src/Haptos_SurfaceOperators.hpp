@@ -5,10 +5,9 @@
 
 #include "Haptos_SurfaceSchur.hpp"
 #include "Haptos_LocalSystems.hpp"
+#include "Haptos_Options.hpp"
 
 namespace Haptos {
-
-enum class PreconditionerKind { Dirichlet, Lumped };
 
 /// \brief The Schur complement S on the surface of a subdomain, or K_bb when lumped, for every class of congruent subdomains.
 ///

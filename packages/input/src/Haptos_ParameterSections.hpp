@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "Haptos_ParameterTree.hpp"
+#include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
 
-// The sections of the input, each a branch of the one tree (private to core: use parameterTree()).
+// The sections of the input, each a branch of the one tree (private to input: use parameterTree()).
 ParameterTree meshSection();
 ParameterTree decompositionSection();
 ParameterTree materialsSection();
@@ -15,5 +16,11 @@ ParameterTree preconditionerSection();
 ParameterTree coarseProblemSection();
 ParameterTree solverSection();
 ParameterTree outputSection();
+
+// What a checked list of these sections says (private to input: use runOptions()).
+MeshOptions meshOptions(const Teuchos::ParameterList& list);
+MaterialOptions materialOptions(const std::string& name, const Teuchos::ParameterList& list);
+ConditionOptions conditionOptions(const std::string& name, const Teuchos::ParameterList& list);
+ContactOptions contactOptions(const std::string& name, const Teuchos::ParameterList& list);
 
 }  // namespace Haptos

@@ -1,76 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
-#include <limits>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "Haptos_ParameterValue.hpp"
+#include "Haptos_OptionTable.hpp"
 
 namespace Haptos {
-
-/// \brief Numbers of the input are at most this, up or down: their fourth powers must not leave the range of double precision.
-constexpr double kLargestNumber = 1e100;
-
-/// \brief An interval of numbers; infinite ends by default.  NaN and infinities are never inside.
-struct NumberRange {
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
-  bool lowerExcluded = false;
-  bool upperExcluded = false;
-
-  static NumberRange atLeast(double lower) { return {lower, std::numeric_limits<double>::infinity()}; }
-  static NumberRange above(double lower) { return {lower, std::numeric_limits<double>::infinity(), true}; }
-  static NumberRange closed(double lower, double upper) { return {lower, upper}; }
-  static NumberRange open(double lower, double upper) { return {lower, upper, true, true}; }
-
-  bool contains(double value) const;
-  std::string text() const;  ///< "0 < value <= 1", "value >= 0", "finite"
-};
-
-/// \brief "The parameter beside this one has one of these values."
-struct ParameterCondition {
-  std::string parameter;
-  std::vector<std::string> values;
-  std::string text() const;  ///< "Type is Pressure or Traction"
-};
-
-/// \brief One valid parameter: name, types, default, range or choices, meaning, unit.
-///
-/// Built by chained calls: `ParameterSpec("Seed", {ParameterType::Int}, "...").defaultTo(1).within(...)`.
-/// Without a default and without `mustBeGiven` the parameter may be absent.
-class ParameterSpec {
- public:
-  ParameterSpec(std::string name, std::vector<ParameterType> types, std::string meaning)
-      : name(std::move(name)), meaning(std::move(meaning)), types(std::move(types)) {}
-
-  ParameterSpec& defaultTo(ParameterValue value);
-  ParameterSpec& mustBeGiven();
-  ParameterSpec& measuredIn(std::string unitText);
-  ParameterSpec& within(NumberRange numbers);                   ///< every entry, for an array
-  ParameterSpec& oneOf(std::vector<std::string> words);         ///< strings only
-  ParameterSpec& entries(std::size_t least, std::size_t most);  ///< length of an array
-  ParameterSpec& notEmpty();                                    ///< strings, and the strings of an array
-  ParameterSpec& isFileName();                                  ///< relative to the folder of the XML file
-  ParameterSpec& onlyWhen(std::string parameter, std::vector<std::string> values);
-  ParameterSpec& neededWhen(std::string parameter, std::vector<std::string> values);
-
-  std::string typeText() const;     ///< "double or Array(double)"
-  std::string defaultText() const;  ///< the default, "required", "required where ..." or "none"
-  std::string rangeText() const;    ///< range, choices and array length in words; may be empty
-  std::string countText() const;    ///< "2 entries", "at least 1 entry"; empty without a bound
-
-  std::string name, meaning, unit;
-  std::vector<ParameterType> types;
-  std::optional<ParameterValue> defaultValue;
-  bool required = false, fileName = false, mayBeEmpty = true;
-  NumberRange range;
-  std::vector<std::string> choices;
-  std::size_t minEntries = 0, maxEntries = std::numeric_limits<std::size_t>::max();
-  std::optional<ParameterCondition> validWhen, requiredWhen;
-};
 
 /// \brief The valid parameters of one list: parameters, sublists, sublists named by the user, rules.
 ///
@@ -84,15 +21,18 @@ class ParameterTree {
     std::string text;
     std::function<std::string(const Teuchos::ParameterList&)> broken;
   };
-  struct Alias {
-    std::string oldName, newName;
-  };
   using Normaliser = std::function<void(Teuchos::ParameterList&)>;
 
   ParameterTree(std::string name, std::string meaning) : name(std::move(name)), meaning(std::move(meaning)) {}
 
   ParameterTree& add(ParameterSpec spec);
   ParameterTree& add(ParameterTree sublist);
+  /// All parameters that fill `Options`.
+  template <class Options>
+  ParameterTree& addOptions() {
+    for (const auto& option : Options::table()) add(option.spec);
+    return *this;
+  }
   /// Sublists with any name; `child.name` is a placeholder as "<material>".
   ParameterTree& addUserNamed(ParameterTree child, std::size_t atLeast);
   /// Exactly one of these parameters or sublists is given; sublists among them are not created by default.
@@ -120,16 +60,10 @@ class ParameterTree {
   std::vector<ParameterTree> userNamed;  ///< none or one
   std::size_t minUserNamed = 0;
   std::vector<std::vector<std::string>> alternatives;
-  std::vector<Alias> aliases;
+  std::vector<ParameterAlias> aliases;
   std::vector<Rule> rules;
   std::vector<Normaliser> preparers, normalisers;
 };
-
-/// \brief Separator of parameter paths: "Contact->interface->Friction->Law".
-inline const std::string pathSeparator = "->";
-
-/// \brief `list` and `name` joined; the outermost list has the empty path.
-std::string joinPath(const std::string& list, const std::string& name);
 
 /// \brief The names of a path, trimmed.
 std::vector<std::string> splitPath(const std::string& path);

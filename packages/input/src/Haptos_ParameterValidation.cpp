@@ -3,7 +3,6 @@
 
 #include <Teuchos_ParameterList.hpp>
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 #include "Haptos_Error.hpp"
@@ -34,53 +33,6 @@ using Teuchos::ParameterList;
   if (ofItsKind.empty()) ofItsKind = valid;
   refuse(path, std::string("unknown ") + (isSublist ? "sublist" : "parameter") + "; did you mean '" +
                    nearestName(name, ofItsKind) + "'? Valid here: " + joinNames(valid));
-}
-
-void checkNumber(const ParameterSpec& spec, const std::string& path, double value) {
-  if (!std::isfinite(value))
-    refuse(path, numberText(value) + " is not a finite number; valid: " + spec.range.text());
-  if (!spec.range.contains(value))
-    refuse(path, numberText(value) + " is out of range; valid: " + spec.range.text());
-  if (std::abs(value) > kLargestNumber)
-    refuse(path, numberText(value) + " is too large to be computed with, the limit is " + numberText(kLargestNumber) + "; use other units");
-}
-
-void checkWord(const ParameterSpec& spec, const std::string& path, const std::string& value) {
-  if (!spec.mayBeEmpty && trimmed(value).empty()) refuse(path, "must not be empty: " + spec.meaning);
-  if (spec.choices.empty()) return;
-  if (std::find(spec.choices.begin(), spec.choices.end(), value) != spec.choices.end()) return;
-  refuse(path, "'" + value + "' is not valid; did you mean '" + nearestName(value, spec.choices) +
-                   "'? Valid: " + joinNames(spec.choices));
-}
-
-/// Checks every entry of a value; overloads for the alternatives of ParameterValue.
-struct ValueChecker {
-  const ParameterSpec& spec;
-  const std::string& path;
-
-  void operator()(int value) const { checkNumber(spec, path, value); }
-  void operator()(double value) const { checkNumber(spec, path, value); }
-  void operator()(bool) const {}
-  void operator()(const std::string& value) const { checkWord(spec, path, value); }
-  template <class T>
-  void operator()(const std::vector<T>& values) const {
-    if (values.size() < spec.minEntries || values.size() > spec.maxEntries)
-      refuse(path, "the array has " + std::to_string(values.size()) +
-                       (values.size() == 1 ? " entry" : " entries") + "; valid: " + spec.rangeText());
-    for (const auto& value : values) (*this)(value);
-  }
-};
-
-ParameterValue convertedValue(const ParameterSpec& spec, const std::string& path,
-                              const Teuchos::ParameterEntry& entry) {
-  const auto given = valueOf(entry);
-  if (!given) refuse(path, "has a type that is not supported; it must be " + spec.typeText());
-  for (const auto type : spec.types)
-    if (typeOf(*given) == type) return *given;
-  for (const auto type : spec.types)
-    if (const auto value = convertValue(*given, type)) return *value;
-  refuse(path, "has type " + typeName(typeOf(*given)) + " (value " + valueText(*given) + "); it must be " +
-                   spec.typeText());
 }
 
 void checkUnknownNames(const ParameterTree& tree, const ParameterList& list, const std::string& listPath) {
@@ -160,9 +112,7 @@ void checkList(const ParameterTree& tree, ParameterList& list, const std::string
   for (const auto& spec : tree.parameters) {
     if (!list.isParameter(spec.name)) continue;
     const std::string path = joinPath(listPath, spec.name);
-    const auto value = convertedValue(spec, path, list.getEntry(spec.name));
-    std::visit(ValueChecker{spec, path}, value);
-    setValue(list, spec.name, value);
+    setValue(list, spec.name, checkedValue(spec, path, list.getEntry(spec.name)));
   }
   checkAlternatives(tree, list, listPath);
   for (const auto& spec : tree.parameters) checkPresence(spec, tree, list, joinPath(listPath, spec.name));
@@ -190,29 +140,9 @@ void fillList(const ParameterTree& tree, ParameterList& list) {
   for (const auto& normalise : tree.normalisers) normalise(list);
 }
 
-void renameEntry(ParameterList& list, const std::string& oldName, const std::string& newName) {
-  if (list.isSublist(oldName)) {
-    const ParameterList copy = list.sublist(oldName);
-    list.remove(oldName);
-    list.sublist(newName) = copy;
-    list.sublist(newName).setName(newName);
-  } else {
-    const Teuchos::ParameterEntry copy = list.getEntry(oldName);
-    list.remove(oldName);
-    list.setEntry(newName, copy);
-  }
-}
-
 void resolveAliasesAt(const ParameterTree& tree, ParameterList& list, const std::string& listPath,
                       std::vector<std::string>& warnings) {
-  for (const auto& alias : tree.aliases) {
-    if (!list.isParameter(alias.oldName)) continue;
-    const std::string path = joinPath(listPath, alias.oldName);
-    if (list.isParameter(alias.newName))
-      refuse(path, "is the old name of '" + alias.newName + "', which is given too; keep only the new one");
-    renameEntry(list, alias.oldName, alias.newName);
-    warnings.push_back(path + ": this name is outdated; write '" + alias.newName + "'");
-  }
+  for (const auto& warning : resolveAliases(tree.aliases, list, listPath)) warnings.push_back(warning);
   std::vector<std::string> names;
   for (auto it = list.begin(); it != list.end(); ++it)
     if (list.entry(it).isList() && tree.findSublist(list.name(it))) names.push_back(list.name(it));

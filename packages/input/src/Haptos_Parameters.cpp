@@ -28,7 +28,7 @@ std::string bricksDoNotFit(const ParameterList& list) {
   if (!list.isSublist("Decomposition")) return "";
   const auto& decomposition = list.sublist("Decomposition");
   const bool named = decomposition.isParameter("Method");
-  const bool bricks = named ? decomposition.get<std::string>("Method") == "Bricks" : isGenerated(list);
+  const bool bricks = named ? decomposition.get<std::string>("Method") == nameOf(PartitionMethod::Bricks) : isGenerated(list);
   if (!bricks) return "";
   if (!isGenerated(list))
     return "Decomposition->Method: Bricks is valid only for a generated mesh (Mesh->Two Beams); use METIS";
@@ -44,7 +44,7 @@ std::string bricksDoNotFit(const ParameterList& list) {
 void chooseBricks(ParameterList& list) {
   auto& decomposition = list.sublist("Decomposition");
   if (isGenerated(list) && !decomposition.isParameter("Method"))
-    decomposition.set("Method", std::string("Bricks"));
+    decomposition.set("Method", std::string(nameOf(PartitionMethod::Bricks)));
 }
 
 ParameterTree makeTree() {

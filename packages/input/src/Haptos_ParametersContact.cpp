@@ -39,17 +39,19 @@ std::string lawIsMissing(const ParameterList& list) {
   return "Law: is missing though Coefficients are given; give Coulomb, Tresca, Frictionless or Tied";
 }
 
+std::string lawName(std::optional<FrictionLaw> law) { return nameOf(law); }
+
 ParameterTree friction() {
   ParameterTree section("Friction", "Orthotropic friction: ||F^-1 lambda_T|| <= g, F = diag(F1, F2).");
   section
       .add(ParameterSpec("Law", {Type::String},
                          "Coulomb: g is the contact pressure; Tresca: g is the Slip Bound; Tied: no law, both surfaces are bonded (their "
                          "displacements are the same, whatever the gap)")
-               .defaultTo(std::string("Frictionless"))
-               .oneOf({"Frictionless", "Tresca", "Coulomb", "Tied"}))
+               .defaultTo(lawName(FrictionOptions{}.law))
+               .oneOf(choiceNames<std::optional<FrictionLaw>>()))
       .add(ParameterSpec("Coefficients", {Type::DoubleArray},
                          "F1, F2 along the principal axes t1, t2; 0 takes the friction along an axis away")
-               .neededWhen("Law", {"Tresca", "Coulomb"})
+               .neededWhen("Law", {lawName(FrictionLaw::Tresca), lawName(FrictionLaw::Coulomb)})
                .entries(2, 2)
                .within(NumberRange::atLeast(0))
                .measuredIn("-"))
@@ -58,14 +60,31 @@ ParameterTree friction() {
                .defaultTo(std::vector<double>{1, 0, 0})
                .entries(3, 3))
       .add(ParameterSpec("Slip Bound", {Type::Double}, "Bound of the tangential traction")
-               .onlyWhen("Law", {"Tresca"})
-               .neededWhen("Law", {"Tresca"})
+               .onlyWhen("Law", {lawName(FrictionLaw::Tresca)})
+               .neededWhen("Law", {lawName(FrictionLaw::Tresca)})
                .within(NumberRange::atLeast(0))
                .measuredIn("force per area"))
       .rule("`Principal Direction` is not zero.",
             [](const ParameterList& list) { return zeroVector(list, "Principal Direction"); })
       .rule("Where `Coefficients` are given, `Law` is given too.", lawIsMissing);
   return section;
+}
+
+template <std::size_t n>
+std::array<double, n> numbers(const ParameterList& list, const std::string& name) {
+  const auto& given = list.get<Teuchos::Array<double>>(name);
+  std::array<double, n> values;
+  std::copy_n(given.begin(), n, values.begin());
+  return values;
+}
+
+FrictionOptions frictionOptions(const ParameterList& list) {
+  FrictionOptions friction;
+  friction.law = choiceNamed<std::optional<FrictionLaw>>(list.get<std::string>("Law"));
+  if (list.isParameter("Coefficients")) friction.coefficients = numbers<2>(list, "Coefficients");
+  friction.principalDirection = numbers<3>(list, "Principal Direction");
+  if (list.isParameter("Slip Bound")) friction.slipBound = list.get<double>("Slip Bound");
+  return friction;
 }
 
 std::string sameSurface(const ParameterList& list) {
@@ -76,6 +95,21 @@ std::string sameSurface(const ParameterList& list) {
 }
 
 }  // namespace
+
+ContactOptions contactOptions(const std::string& name, const ParameterList& list) {
+  ContactOptions contact;
+  contact.name = name;
+  contact.secondarySideSet = list.get<std::string>("Secondary Side Set");
+  if (list.isParameter("Primary Side Set")) contact.primarySideSet = list.get<std::string>("Primary Side Set");
+  if (list.isSublist("Rigid Plane")) {
+    const auto& plane = list.sublist("Rigid Plane");
+    contact.rigidPlane = RigidPlaneOptions{numbers<3>(plane, "Point"), numbers<3>(plane, "Normal")};
+  }
+  contact.discretization = choiceNamed<Discretization>(list.get<std::string>("Discretization"));
+  contact.matchingTolerance = list.get<double>("Matching Tolerance");
+  contact.friction = frictionOptions(list.sublist("Friction"));
+  return contact;
+}
 
 ParameterTree contactSection() {
   ParameterTree pair("<contact>", "One pair of surfaces, or a surface and a rigid plane; the name is yours.");
@@ -88,12 +122,12 @@ ParameterTree contactSection() {
       .add(rigidPlane())
       .add(ParameterSpec("Discretization", {Type::String},
                          "Node To Node needs matching meshes and is what Automatic takes; Mortar is reserved for a later version and refused")
-               .defaultTo(std::string("Automatic"))
-               .oneOf({"Automatic", "Node To Node", "Mortar"}))
+               .defaultTo(std::string(nameOf(ContactOptions{}.discretization)))
+               .oneOf(choiceNames<Discretization>()))
       .add(ParameterSpec(
                "Matching Tolerance", {Type::Double},
                "Node To Node: largest tangential distance of paired nodes, relative to the element size")
-               .defaultTo(1e-3)
+               .defaultTo(ContactOptions{}.matchingTolerance)
                .within(NumberRange{0, 0.25, true, false})
                .measuredIn("-"))
       .add(friction())

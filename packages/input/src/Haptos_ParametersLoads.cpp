@@ -18,6 +18,9 @@ using Texts = std::vector<std::string>;
 
 const std::string axes = "xyz";
 
+const std::string displacement = nameOf(ConditionType::Displacement), pressure = nameOf(ConditionType::Pressure),
+                  traction = nameOf(ConditionType::Traction), bodyForce = nameOf(ConditionType::BodyForce);
+
 std::string wordOr(const ParameterList& list, const std::string& name, const std::string& otherwise) {
   return list.isType<std::string>(name) ? list.get<std::string>(name) : otherwise;
 }
@@ -34,12 +37,12 @@ std::string wrongCount(const ParameterList& list) {
   const std::size_t given = numEntries(value);
   const std::string type = wordOr(list, "Type", "");
   const std::string found = "Value: has " + std::to_string(given) + (given == 1 ? " entry" : " entries");
-  if (type == "Pressure" && given != 1) return found + "; a Pressure takes one number or expression";
-  if ((type == "Traction" || type == "Body Force") && given != 3)
+  if (type == pressure && given != 1) return found + "; a Pressure takes one number or expression";
+  if ((type == traction || type == bodyForce) && given != 3)
     return found + "; a " + type + " takes an array of 3 (x, y, z)";
   const std::string components = wordOr(list, "Components", axes);
   const bool one = !isArray(typeOf(value));
-  if (type == "Displacement" && !one && given != 3 && given != components.size()) {
+  if (type == displacement && !one && given != 3 && given != components.size()) {
     const std::string each =
         components.size() == 3 ? "" : "an array of " + std::to_string(components.size()) + ", ";
     return found + "; for Components " + components + " give one value for all, " + each +
@@ -73,12 +76,12 @@ std::vector<T> overAxes(const std::vector<T>& given, const std::string& componen
 
 void normaliseValue(ParameterList& list) {
   auto value = *valueOf(list.getEntry("Value"));
-  if (list.get<std::string>("Type") == "Pressure") {  // {100} is 100
+  if (list.get<std::string>("Type") == pressure) {  // {100} is 100
     if (const auto* numbers = std::get_if<Numbers>(&value)) list.set("Value", numbers->front());
     if (const auto* texts = std::get_if<Texts>(&value)) list.set("Value", texts->front());
     return;
   }
-  if (list.get<std::string>("Type") != "Displacement") return;
+  if (list.get<std::string>("Type") != displacement) return;
   const std::string components = list.get<std::string>("Components");
   if (const auto* number = std::get_if<double>(&value)) value = Numbers(3, *number);
   if (const auto* text = std::get_if<std::string>(&value)) value = Texts(3, *text);
@@ -93,7 +96,7 @@ ParameterSpec valueParameter() {
              "Displacement [length], pressure (positive pushes into the body) or traction [force per "
              "area] in global axes, body force [force per volume]; a string is an expression of x, y, z")
       .defaultTo(Numbers(3, 0.0))
-      .neededWhen("Type", {"Pressure", "Traction", "Body Force"})
+      .neededWhen("Type", {pressure, traction, bodyForce})
       .entries(1, 3)
       .notEmpty();
 }
@@ -106,21 +109,21 @@ ParameterTree boundaryConditionsSection() {
   condition
       .add(ParameterSpec("Type", {Type::String}, "What is prescribed")
                .mustBeGiven()
-               .oneOf({"Displacement", "Pressure", "Traction", "Body Force"}))
+               .oneOf(choiceNames<ConditionType>()))
       .add(ParameterSpec("Sets", {Type::StringArray},
                          "Names or numbers of side sets (a Displacement takes node sets too)")
-               .onlyWhen("Type", {"Displacement", "Pressure", "Traction"})
-               .neededWhen("Type", {"Displacement", "Pressure", "Traction"})
+               .onlyWhen("Type", {displacement, pressure, traction})
+               .neededWhen("Type", {displacement, pressure, traction})
                .entries(1, any)
                .notEmpty())
       .add(ParameterSpec("Element Blocks", {Type::StringArray}, "Names or numbers of the element blocks")
-               .onlyWhen("Type", {"Body Force"})
-               .neededWhen("Type", {"Body Force"})
+               .onlyWhen("Type", {bodyForce})
+               .neededWhen("Type", {bodyForce})
                .entries(1, any)
                .notEmpty())
       .add(ParameterSpec("Components", {Type::String}, "The displacement components that are prescribed")
                .defaultTo(axes)
-               .onlyWhen("Type", {"Displacement"})
+               .onlyWhen("Type", {displacement})
                .oneOf({"x", "y", "z", "xy", "xz", "yz", "xyz"}))
       .add(valueParameter())
       .rule(
@@ -136,6 +139,21 @@ ParameterTree boundaryConditionsSection() {
   ParameterTree section("Boundary Conditions", "One list for each prescribed displacement or load.");
   section.addUserNamed(std::move(condition), 0);
   return section;
+}
+
+ConditionOptions conditionOptions(const std::string& name, const ParameterList& list) {
+  ConditionOptions condition;
+  condition.path = "Boundary Conditions->" + name;
+  condition.type = choiceNamed<ConditionType>(list.get<std::string>("Type"));
+  const auto names = [&](const char* entry) {
+    return list.isParameter(entry) ? list.get<Teuchos::Array<std::string>>(entry).toVector() : Texts{};
+  };
+  condition.sets = names("Sets");
+  condition.blocks = names("Element Blocks");
+  condition.components = wordOr(list, "Components", "");
+  if (condition.type == ConditionType::Pressure) condition.pressure = expressionFromParameter(list, "Value", condition.path);
+  else condition.value = vectorExpressionFromParameter(list, "Value", condition.path);
+  return condition;
 }
 
 }  // namespace Haptos

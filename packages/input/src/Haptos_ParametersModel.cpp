@@ -1,9 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Mesh, Decomposition and Materials.
+#include <Teuchos_Array.hpp>
+#include <Teuchos_ParameterList.hpp>
+
 #include "Haptos_ParameterSections.hpp"
 
 namespace Haptos {
 
+using Teuchos::ParameterList;
 using Type = ParameterType;
 
 ParameterTree meshSection() {
@@ -31,23 +35,18 @@ ParameterTree meshSection() {
   return mesh;
 }
 
+MeshOptions meshOptions(const ParameterList& list) {
+  MeshOptions mesh;
+  if (list.isParameter("File")) mesh.file = list.get<std::string>("File");
+  if (!list.isSublist("Two Beams")) return mesh;
+  const auto& beams = list.sublist("Two Beams");
+  mesh.twoBeams = TwoBeamsOptions{beams.get<int>("Subdomains Per Edge"), beams.get<int>("Elements Per Subdomain Edge")};
+  return mesh;
+}
+
 ParameterTree decompositionSection() {
-  ParameterTree section("Decomposition",
-                        "How the bodies are cut into subdomains; no subdomain spans two bodies.");
-  section
-      .add(
-          ParameterSpec("Method", {Type::String},
-                        "METIS cuts any mesh; Bricks are those of the generated mesh, and its default; Block "
-                        "makes one subdomain of each body")
-              .defaultTo(std::string("METIS"))
-              .oneOf({"METIS", "Bricks", "Block"}))
-      .add(ParameterSpec("Subdomains", {Type::Int}, "Number of subdomains over all bodies; 0 chooses")
-               .defaultTo(0)
-               .within(NumberRange::atLeast(0)))
-      .add(ParameterSpec("Seed", {Type::Int}, "Seed of METIS; the same seed gives the same subdomains")
-               .defaultTo(1)
-               .within(NumberRange::atLeast(0)));
-  return section;
+  return ParameterTree("Decomposition", "How the bodies are cut into subdomains; no subdomain spans two bodies.")
+      .addOptions<DecompositionOptions>();
 }
 
 ParameterTree materialsSection() {
@@ -69,6 +68,11 @@ ParameterTree materialsSection() {
                           "One list for each material; every element block belongs to exactly one.");
   materials.addUserNamed(std::move(material), 1);
   return materials;
+}
+
+MaterialOptions materialOptions(const std::string& name, const ParameterList& list) {
+  return {name, list.get<Teuchos::Array<std::string>>("Element Blocks").toVector(), list.get<double>("Young's Modulus"),
+          list.get<double>("Poisson's Ratio")};
 }
 
 }  // namespace Haptos

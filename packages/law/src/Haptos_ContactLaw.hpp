@@ -5,9 +5,9 @@
 #include <utility>
 #include <vector>
 
-namespace Haptos {
+#include "Haptos_Options.hpp"
 
-enum class FrictionLaw { Frictionless, Tresca, Coulomb };
+namespace Haptos {
 
 /// \brief Friction of one interface.
 struct FrictionSpec {

@@ -4,10 +4,9 @@
 #include <cstddef>
 #include <memory>
 
-namespace Haptos {
+#include "Haptos_Options.hpp"
 
-/// Which direct solver factors a subdomain.  `Automatic`: CHOLMOD where it was built in, else KLU2.
-enum class LocalSolverMethod { Automatic, Cholmod, Klu2 };
+namespace Haptos {
 
 /// What a factor is kept in once computed; CHOLMOD of ours only, elsewhere it is double.  Single serves preconditioners.
 enum class FactorPrecision { Double, Single };

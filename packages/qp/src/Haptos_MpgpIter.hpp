@@ -5,24 +5,10 @@
 #include <vector>
 
 #include "Haptos_OperatorNorm.hpp"
+#include "Haptos_Options.hpp"
 #include "Haptos_QuadraticProgram.hpp"
 
 namespace Haptos {
-
-/// \brief How MPGP continues where a conjugate gradient step would leave the set.
-enum class Expansion {
-  fixed,        ///< from the boundary by the fixed step alphaBar along the free gradient
-  projectedCg,  ///< project the whole conjugate gradient step; the fixed step where the cost falls less than that
-                ///< step is bound to achieve
-  automatic     ///< as projectedCg, but leaves out trials for a while after they failed
-};
-
-/// \brief Constants of MPGP, all dimensionless.
-struct MpgpOptions {
-  double gamma = 1.0;        ///< Gamma > 0 of the proportionality test
-  double alphaFactor = 1.9;  ///< alphaBar ||H||, in (0, 2]
-  Expansion expansion = Expansion::automatic;
-};
 
 /// \brief Steps by kind and what they cost.
 struct MpgpCounts {
@@ -92,7 +78,7 @@ class MpgpIter : public Belos::Iteration<Scalar, MV, OP> {
  private:
   bool isProportional() const;
   Scalar hessianNorm() const;
-  Scalar alphaBar() const { return options_.alphaFactor / hessianNorm(); }
+  Scalar alphaBar() const { return options_.stepLength / hessianNorm(); }
   void evaluateGradient();
   void splitGradient();
   void restartDirection();

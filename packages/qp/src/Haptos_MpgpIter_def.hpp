@@ -87,7 +87,7 @@ void MpgpIter<Scalar, MV, OP>::expansionStep(Scalar alphaCg, Scalar alphaFeasibl
   // what x := P(x - phi/||H||) is bound to gain
   const Scalar bound = Details::dot<Scalar>(*phiR_, *phiR_) / (2 * hessianNorm());
   bool done = false;
-  if (options_.expansion != Expansion::fixed && std::isfinite(alphaCg)) {
+  if (options_.expansion != Expansion::FixedStep && std::isfinite(alphaCg)) {
     if (trialsToSkip_ > 0)
       --trialsToSkip_;
     else
@@ -108,7 +108,7 @@ bool MpgpIter<Scalar, MV, OP>::tryProjectedCgStep(Scalar length, Scalar required
     return true;
   }
   takeBack();
-  if (options_.expansion == Expansion::automatic) trialsToSkip_ = lastSkip_ = std::min(16, 2 * lastSkip_ + 1);
+  if (options_.expansion == Expansion::Automatic) trialsToSkip_ = lastSkip_ = std::min(16, 2 * lastSkip_ + 1);
   return false;
 }
 

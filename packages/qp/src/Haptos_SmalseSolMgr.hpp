@@ -3,10 +3,12 @@
 #include <BelosSolverManager.hpp>
 #include <Teuchos_ParameterList.hpp>
 #include <functional>
-#include <string>
+#include <optional>
 #include <vector>
 
 #include "Haptos_MpgpIter.hpp"
+#include "Haptos_Options.hpp"
+#include "Haptos_Outcome.hpp"
 #include "Haptos_StatusTestProjectedGradient.hpp"
 
 namespace Haptos {
@@ -18,6 +20,17 @@ struct SmalseRecord {
   double projectedGradient = 0;    ///< ||g^P|| / reference
   double equality = 0;             ///< rho ||Q (x - x0)|| / reference
   double setChange = 0;            ///< relative change of the set after this step
+};
+
+/// \brief What the manager is told: the constants of the method, and when it ends.
+struct SmalseSolMgrOptions : SmalseOptions {
+  double tolerance = 1e-6;  ///< what the dimensionless residual is compared with
+  int maximumIterations = 1000;
+  int maximumMultiplications = SolverOptions{}.maximumMultiplications;
+  int normApplications = 10;
+  int stagnationSteps = 50;
+
+  static const OptionTable<SmalseSolMgrOptions>& table();
 };
 
 /// \brief SMALSE-M: semimonotonic augmented Lagrangians for separable sets and an equality.
@@ -48,8 +61,14 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
   /// \throws std::invalid_argument for any other linear problem.
   void setProblem(const RCP<Belos::LinearProblem<Scalar, MV, OP>>& problem) override;
 
-  /// \throws InputError for a value out of range; Teuchos' exceptions for unknown names and wrong types.
+  /// \brief Names as in the input, with `Convergence Tolerance`, `Maximum Iterations` and the like beside them; names of
+  /// version 0.1 are taken with a warning on Teuchos' default output.
+  /// \throws InputError for a value out of range, a wrong type, or an unknown name, with the nearest valid one.
   void setParameters(const RCP<Teuchos::ParameterList>& parameters) override;
+
+  /// \brief The same, typed.
+  void setOptions(const SmalseSolMgrOptions& options);
+  const SmalseSolMgrOptions& options() const { return options_; }
 
   /// \brief Called after every outer step; null for a fixed set.
   void setFeasibleSetUpdate(const RCP<FeasibleSetUpdate<MV>>& update) { update_ = update; }
@@ -68,11 +87,11 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
   /// \brief Uses this estimate of ||A|| instead of computing one; after setProblem and before the first solve().
   void setOperatorNorm(const OperatorNorm& norm) { givenNorm_ = norm; }
 
-  /// \brief Converged or Unconverged; `reason()` says why.  Collective.
+  /// \brief Converged or Unconverged; `outcome()` says why.  Collective.
   /// \throws std::runtime_error on break-down, saying which assumption failed.
   Belos::ReturnType solve() override;
 
-  const std::string& reason() const { return reason_; }  ///< "converged", "limit of Hessian multiplications", ...
+  Outcome outcome() const { return *outcome_; }  ///< after solve()
   const std::vector<SmalseRecord>& history() const { return history_; }  ///< over all calls of solve()
   MpgpCounts counts() const;                    ///< over all calls of solve(), norm estimate included
   OperatorNorm operatorNorm() const;            ///< as corrected by the iteration
@@ -85,12 +104,11 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
   RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
   typename Teuchos::ScalarTraits<Scalar>::magnitudeType achievedTol() const override { return residual_; }
   int getNumIters() const override { return int(history_.size()); }  ///< outer steps
-  bool isLOADetected() const override { return reason_ == stagnation(); }
+  bool isLOADetected() const override { return outcome_ == Outcome::RoundOff; }
   void reset(const Belos::ResetType type) override;
 
  private:
   using Inner = StatusTestBalancedGradient<Scalar, MV, OP>;
-  static const char* stagnation() { return "stagnation at round-off"; }
   void prepare();
   bool accepts(const Iteration& iter) const;
   double builtInResidual(const Iteration& iter) const;
@@ -103,6 +121,7 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
 
   RCP<Problem> problem_;
   RCP<Teuchos::ParameterList> parameters_;
+  SmalseSolMgrOptions options_;
   RCP<FeasibleSetUpdate<MV>> update_;
   OuterTest outerTest_;
   std::function<void(const SmalseRecord&)> observer_;
@@ -111,9 +130,9 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
   RCP<Iteration> iter_;
   RCP<Inner> inner_;
   int normApplications_ = 0, stepsWithoutGain_ = 0, solveStart_ = 0;
-  double tolerance_ = 0, rho_ = 0, M_ = 0, reference_ = 0, residual_ = -1, bestResidual_ = 0, setChange_ = 0;
+  double rho_ = 0, M_ = 0, reference_ = 0, residual_ = -1, bestResidual_ = 0, setChange_ = 0;
   bool monitorIsValid_ = false;
-  std::string reason_;
+  std::optional<Outcome> outcome_;
   std::vector<SmalseRecord> history_;
 };
 

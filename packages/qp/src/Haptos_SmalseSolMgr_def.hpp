@@ -11,9 +11,9 @@
 namespace Haptos {
 namespace Details {
 
-RCP<const Teuchos::ParameterList> smalseParameters();
-void checkSmalseParameters(const Teuchos::ParameterList& p);
-MpgpOptions mpgpOptions(const Teuchos::ParameterList& p);
+/// \brief Checked, with all defaults; old names become new ones in `list`.
+SmalseSolMgrOptions readSmalseParameters(Teuchos::ParameterList& list);
+Teuchos::ParameterList smalseParameters(const SmalseSolMgrOptions& options);
 
 }  // namespace Details
 
@@ -41,14 +41,19 @@ template <class Scalar, class MV, class OP>
 void SmalseSolMgr<Scalar, MV, OP>::setParameters(const RCP<Teuchos::ParameterList>& parameters) {
   const RCP<Teuchos::ParameterList> p =
       parameters.is_null() ? Teuchos::rcp(new Teuchos::ParameterList) : parameters;
-  p->validateParametersAndSetDefaults(*getValidParameters());
-  Details::checkSmalseParameters(*p);
+  options_ = Details::readSmalseParameters(*p);
+  p->setParameters(Details::smalseParameters(options_));
   parameters_ = p;
 }
 
 template <class Scalar, class MV, class OP>
+void SmalseSolMgr<Scalar, MV, OP>::setOptions(const SmalseSolMgrOptions& options) {
+  setParameters(Teuchos::rcp(new Teuchos::ParameterList(Details::smalseParameters(options))));
+}
+
+template <class Scalar, class MV, class OP>
 RCP<const Teuchos::ParameterList> SmalseSolMgr<Scalar, MV, OP>::getValidParameters() const {
-  return Details::smalseParameters();
+  return Teuchos::rcp(new Teuchos::ParameterList(Details::smalseParameters({})));
 }
 
 template <class Scalar, class MV, class OP>
@@ -64,18 +69,17 @@ void SmalseSolMgr<Scalar, MV, OP>::reset(const Belos::ResetType type) {
 template <class Scalar, class MV, class OP>
 void SmalseSolMgr<Scalar, MV, OP>::prepare() {
   using MVT = Belos::MultiVecTraits<Scalar, MV>;
-  tolerance_ = parameters_->template get<double>("Convergence Tolerance");
   if (iter_.is_null()) {
     OperatorNorm norm = givenNorm_;
     if (!(norm.value > 0)) {
-      norm = estimateOperatorNorm(*problem_, parameters_->template get<int>("Norm Applications"));
+      norm = estimateOperatorNorm(*problem_, options_.normApplications);
       normApplications_ = norm.applications;
     }
-    iter_ = Teuchos::rcp(new Iteration(problem_, inner_, norm, Details::mpgpOptions(*parameters_)));
+    iter_ = Teuchos::rcp(new Iteration(problem_, inner_, norm, options_));
     for (RCP<MV>* v : {&xStart_, &gStart_, &xLast_}) *v = MVT::Clone(*problem_->getLHS(), 1);
-    rho_ = parameters_->template get<double>("Rho Factor") * norm.value;
+    rho_ = options_.rhoFactor * norm.value;
     iter_->setPenalty(rho_, startMultiplier_);
-    M_ = parameters_->template get<double>("M0") * rho_;
+    M_ = options_.mFactor * rho_;
     iter_->initialize();
     reference_ = Details::norm<Scalar>(*problem_->getRHS());
     if (!(reference_ > 0)) reference_ = norm.value * Details::norm<Scalar>(*iter_->getCurrentUpdate());
@@ -95,12 +99,11 @@ template <class Scalar, class MV, class OP>
 Belos::ReturnType SmalseSolMgr<Scalar, MV, OP>::solve() {
   TEUCHOS_TEST_FOR_EXCEPTION(problem_.is_null(), std::invalid_argument, "Haptos SMALSE: call setProblem first");
   prepare();
-  const int maxOuter = parameters_->template get<int>("Maximum Iterations");
-  reason_.clear();
-  for (int k = 0; k < maxOuter && reason_.empty(); ++k) outerStep();
-  if (reason_.empty()) reason_ = "limit of outer iterations";
+  outcome_.reset();
+  for (int k = 0; k < options_.maximumIterations && !outcome_; ++k) outerStep();
+  if (!outcome_) outcome_ = Outcome::IterationLimit;
   Details::copy<Scalar>(iter_->solution(), *xLast_);
-  return reason_ == "converged" ? Belos::Converged : Belos::Unconverged;
+  return outcome_ == Outcome::Converged ? Belos::Converged : Belos::Unconverged;
 }
 
 template <class Scalar, class MV, class OP>
@@ -124,7 +127,7 @@ void SmalseSolMgr<Scalar, MV, OP>::outerStep() {
   recordStep(change);
   if (solved || isFinished()) {
     if (change != 0) Details::copy<Scalar>(*xLast_, *iter_->getCurrentUpdate());
-    if (reason_.empty()) reason_ = "converged";
+    if (!outcome_) outcome_ = Outcome::Converged;
     return;
   }
   iter_->updateMultiplier();
@@ -142,8 +145,8 @@ void SmalseSolMgr<Scalar, MV, OP>::monitorLagrangian() {
   const double cBefore = history_.empty() ? 0.0 : history_.back().equality * reference_ / rho_;
   // the multiplier's update alone raised L by rho ||Q (x^{k-1} - x0)||^2
   if (monitorIsValid_ && rho_ * cBefore * cBefore + grown < rho_ / 2 * cNow * cNow)
-    M_ = std::max(M_ / parameters_->template get<double>("Beta"),
-                  std::min(M_, parameters_->template get<double>("M Floor") * rho_));
+    M_ = std::max(M_ / options_.beta,
+                  std::min(M_, options_.mFloor * rho_));
   monitorIsValid_ = true;
 }
 
@@ -153,21 +156,20 @@ void SmalseSolMgr<Scalar, MV, OP>::setInnerTest() {
   const double roundOff =
       4 * eps * (reference_ + iter_->operatorNorm().value * Details::norm<Scalar>(iter_->solution()));
   inner_->M = M_;
-  inner_->eta = parameters_->template get<double>("Eta0") * reference_;
+  inner_->eta = options_.etaFactor * reference_;
   // without gain for a while: back to the stopping test with the convergence proof
-  const bool proven = stepsWithoutGain_ > parameters_->template get<int>("Stagnation Steps") / 3;
+  const bool proven = stepsWithoutGain_ > options_.stagnationSteps / 3;
   const double start =
-      proven ? 0.0 : parameters_->template get<double>("Inner Reduction") * iter_->projectedGradientNorm();
-  inner_->floor = std::max({roundOff, outerTest_ ? 0.0 : 0.02 * tolerance_ * reference_, std::min(start, inner_->eta)});
-  inner_->maxApplications =
-      parameters_->template get<int>("Maximum Hessian Multiplications") - normApplications_;
+      proven ? 0.0 : options_.innerReduction * iter_->projectedGradientNorm();
+  inner_->floor = std::max({roundOff, outerTest_ ? 0.0 : 0.02 * options_.tolerance * reference_, std::min(start, inner_->eta)});
+  inner_->maxApplications = options_.maximumMultiplications - normApplications_;
   inner_->accept = [this](const Iteration& iter) { return accepts(iter); };
 }
 
 template <class Scalar, class MV, class OP>
 bool SmalseSolMgr<Scalar, MV, OP>::accepts(const Iteration& iter) const {
-  if (outerTest_) return outerTest_(iter.solution(), iter.gradient()) <= tolerance_;
-  return builtInResidual(iter) <= tolerance_ && setChange_ <= tolerance_;
+  if (outerTest_) return outerTest_(iter.solution(), iter.gradient()) <= options_.tolerance;
+  return builtInResidual(iter) <= options_.tolerance && setChange_ <= options_.tolerance;
 }
 
 template <class Scalar, class MV, class OP>
@@ -192,13 +194,13 @@ void SmalseSolMgr<Scalar, MV, OP>::recordStep(double change) {
 
 template <class Scalar, class MV, class OP>
 bool SmalseSolMgr<Scalar, MV, OP>::isFinished() {
-  if (residual_ <= tolerance_)
-    reason_ = "converged";
+  if (residual_ <= options_.tolerance)
+    outcome_ = Outcome::Converged;
   else if (inner_->cause() == Inner::Cause::limit)
-    reason_ = "limit of Hessian multiplications";
+    outcome_ = Outcome::MultiplicationLimit;
   else if (stagnates())
-    reason_ = stagnation();
-  return !reason_.empty();
+    outcome_ = Outcome::RoundOff;
+  return outcome_.has_value();
 }
 
 /// Many outer steps without gain: the residual's round-off is above the tolerance, or the fixed point does not exist.
@@ -208,7 +210,7 @@ bool SmalseSolMgr<Scalar, MV, OP>::stagnates() {
     bestResidual_ = residual_;
     stepsWithoutGain_ = 0;
   }
-  return ++stepsWithoutGain_ > parameters_->template get<int>("Stagnation Steps");
+  return ++stepsWithoutGain_ > options_.stagnationSteps;
 }
 
 template <class Scalar, class MV, class OP>

@@ -87,11 +87,11 @@ void checkKkt(const DenseProblem& d, const DenseVector& x, double tolerance, boo
 
 TEUCHOS_UNIT_TEST(MpgpIter, StringOnObstaclesKeepsKktConditions) {
   const DenseProblem d = makeString(30, 0.3);
-  for (const Expansion expansion : {Expansion::fixed, Expansion::projectedCg, Expansion::automatic})
-    for (const double alphaFactor : {1.0, 1.9}) {
+  for (const Expansion expansion : {Expansion::FixedStep, Expansion::ProjectedCg, Expansion::Automatic})
+    for (const double stepLength : {1.0, 1.9}) {
       MpgpOptions options;
       options.expansion = expansion;
-      options.alphaFactor = alphaFactor;
+      options.stepLength = stepLength;
       const Result r = solve(d, 4.0, 1e-11, options);
       const MpgpCounts& c = r.counts;
       out << "cg " << c.cg << ", expansion " << c.expansion << ", proportioning " << c.proportioning << ", rejected "
@@ -106,8 +106,8 @@ TEUCHOS_UNIT_TEST(MpgpIter, StringOnObstaclesKeepsKktConditions) {
 TEUCHOS_UNIT_TEST(MpgpIter, CorrectsANormThatIsTooSmall) {
   const DenseProblem d = makeString(30, 0.3);
   MpgpOptions options;
-  options.expansion = Expansion::fixed;
-  options.alphaFactor = 1.9;
+  options.expansion = Expansion::FixedStep;
+  options.stepLength = 1.9;
   const Result r = solve(d, 0.05, 1e-11, options);  // true: 4; the fixed step would diverge
   TEST_ASSERT(r.counts.normCorrections > 0);
   TEST_COMPARE(r.norm, >, 1.0);
@@ -122,7 +122,7 @@ TEUCHOS_UNIT_TEST(MpgpIter, EndsAtTheLongestStep) {
   d.lower[0] = 0;
   d.semiAxes.setConstant(1);
   MpgpOptions options;
-  options.alphaFactor = 2;
+  options.stepLength = 2;
   const Result r = solve(d, 2 * (1 - 1e-13), 1e-10, options);
   TEST_FLOATING_EQUALITY(r.x[0], 5.0, 1e-10);
   TEST_ASSERT(r.counts.proportioning > 0);
@@ -156,7 +156,7 @@ TEUCHOS_UNIT_TEST(OperatorNorm, LeavesTheFixedStepStableInFewApplications) {
     TEST_EQUALITY(norm.applications, a->applications);
     TEST_COMPARE(norm.applications, <=, 10);
     // the fixed step must stay below 2 / ||A|| even where the estimate is too small
-    TEST_COMPARE(MpgpOptions().alphaFactor / norm.value, <, 2 / exact);
+    TEST_COMPARE(MpgpOptions().stepLength / norm.value, <, 2 / exact);
     TEST_COMPARE(norm.value, <, 1.25 * exact);
     TEST_ASSERT(norm.decoupled);
     const Program coupled(q, x, b, d.makeSet(map), q);

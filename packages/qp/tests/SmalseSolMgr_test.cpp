@@ -4,9 +4,12 @@
 #include <BelosSolverFactory_Tpetra.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
+#include <Teuchos_VerboseObject.hpp>
 #include <cmath>
+#include <sstream>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_OptionTable.hpp"
 #include "QpTestProblem.hpp"
 
 namespace {
@@ -123,7 +126,7 @@ TEUCHOS_UNIT_TEST(SmalseSolMgr, MatchesAdmmWithEqualityBoundsAndEllipses) {
       p->set("Expansion", std::string(expansion));
       s.manager.setParameters(p);
       TEST_EQUALITY(s.solve(1e-11), Belos::Converged);
-      TEST_EQUALITY(s.manager.reason(), std::string("converged"));
+      TEST_EQUALITY(s.manager.outcome() == Outcome::Converged, true);
       const DenseVector x = gather(*s.x);
       const MpgpCounts c = s.manager.counts();
       out << expansion << ": error " << (x - reference).norm() / reference.norm() << ", outer "
@@ -272,11 +275,11 @@ TEUCHOS_UNIT_TEST(SmalseSolMgr, LimitAndStagnationAreReportedNotThrown) {
   p->set("Maximum Hessian Multiplications", 40);
   s.manager.setParameters(p);
   TEST_EQUALITY(s.solve(1e-9), Belos::Unconverged);
-  TEST_EQUALITY(s.manager.reason(), std::string("limit of Hessian multiplications"));
+  TEST_EQUALITY(s.manager.outcome() == Outcome::MultiplicationLimit, true);
   TEST_COMPARE(s.A->applications, <=, 44);
   Setup t(d);
   TEST_EQUALITY(t.solve(0.0), Belos::Unconverged);
-  TEST_EQUALITY(t.manager.reason(), std::string("stagnation at round-off"));
+  TEST_EQUALITY(t.manager.outcome() == Outcome::RoundOff, true);
   TEST_COMPARE(t.manager.achievedTol(), <, 1e-12);
   out << "round-off " << t.manager.achievedTol() << " after " << t.A->applications << "\n";
 }
@@ -331,9 +334,61 @@ TEUCHOS_UNIT_TEST(SmalseSolMgr, RefusesWrongParameters) {
   const auto p = rcp(new Teuchos::ParameterList);
   p->set("Expansion", std::string("Optimal"));
   TEST_THROW(m.setParameters(p), InputError);
-  const auto q = rcp(new Teuchos::ParameterList);
-  q->set("Gama", 1.0);
-  TEST_THROW(m.setParameters(q), std::logic_error);
+  const auto refusal = [&m](const char* name, auto value) {
+    const auto list = rcp(new Teuchos::ParameterList);
+    list->set(name, value);
+    try {
+      m.setParameters(list);
+    } catch (const InputError& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  const auto has = [](const std::string& text, const char* part) { return text.find(part) != std::string::npos; };
+  TEST_ASSERT(has(refusal("Gama", 1.0), "'Gamma'"));
+  TEST_ASSERT(has(refusal("Gamma", std::string("1")), "double"));
+  TEST_ASSERT(has(refusal("Expansion", std::string("Projected GC")), "'Projected CG'"));
+  TEST_ASSERT(has(refusal("Inner Reduction", 1.0), "0 <= value < 1"));
+  TEST_EQUALITY(m.getCurrentParameters()->get<double>("Gamma"), 1.0);  // what was refused changed nothing
+}
+
+TEUCHOS_UNIT_TEST(SmalseSolMgr, OldNamesAreTakenWithAWarning) {
+  std::ostringstream warnings;
+  const auto before = Teuchos::VerboseObjectBase::getDefaultOStream();
+  Teuchos::VerboseObjectBase::setDefaultOStream(Teuchos::fancyOStream(Teuchos::rcpFromRef<std::ostream>(warnings)));
+  const auto p = rcp(new Teuchos::ParameterList);
+  p->set("M0", 2.0);
+  p->set("Eta0", 0.2);
+  p->set("Alpha Factor", 1.5);
+  p->set("Expansion", std::string("Fixed"));
+  Manager m;
+  m.setParameters(p);
+  Teuchos::VerboseObjectBase::setDefaultOStream(before);
+  for (const char* name : {"'M Factor'", "'Eta Factor'", "'Step Length'", "'Fixed Step'"})
+    TEST_ASSERT(warnings.str().find(name) != std::string::npos);
+  TEST_EQUALITY(m.options().mFactor, 2.0);
+  TEST_EQUALITY(m.options().etaFactor, 0.2);
+  TEST_EQUALITY(m.options().stepLength, 1.5);
+  TEST_ASSERT(m.options().expansion == Expansion::FixedStep);
+  TEST_EQUALITY(m.getCurrentParameters()->get<double>("Step Length"), 1.5);
+  TEST_ASSERT(!m.getCurrentParameters()->isParameter("M0"));
+  m.setParameters(p);  // the list that came back is valid itself
+}
+
+TEUCHOS_UNIT_TEST(SmalseSolMgr, ValidParametersAreThoseOfTheInput) {
+  const auto valid = Manager().getValidParameters();
+  for (const auto& option : SmalseOptions::table()) {
+    TEST_ASSERT(valid->isParameter(option.spec.name));
+    TEST_EQUALITY(valid->getEntry(option.spec.name).docString(), option.spec.meaning);
+    TEST_ASSERT(*valueOf(valid->getEntry(option.spec.name)) == *option.spec.defaultValue);
+  }
+  SmalseSolMgrOptions changed;
+  changed.expansion = Expansion::ProjectedCg;
+  changed.innerReduction = 0;
+  Manager m;
+  m.setOptions(changed);
+  TEST_EQUALITY(m.getCurrentParameters()->get<std::string>("Expansion"), std::string("Projected CG"));
+  TEST_EQUALITY(m.options().innerReduction, 0.0);
 }
 
 }  // namespace

@@ -5,10 +5,10 @@
 
 namespace Haptos {
 
-AutomaticSolver::AutomaticSolver(SolverContext context, const Teuchos::ParameterList& parameters)
+AutomaticSolver::AutomaticSolver(SolverContext context, const SolverOptions& options)
     : context_(std::move(context)),
-      smalseParameters_(parameters.sublist("SMALSE")),
-      newton_(context_, parameters),
+      smalseOptions_(options.smalse),
+      newton_(context_, options),
       current_(&newton_) {}
 
 std::string AutomaticSolver::name() const {
@@ -40,7 +40,7 @@ void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
   const DualSolution& solution = solver.solution();
   KktEstimator estimator(context_.system, context_.loads, KktEstimator::Balance::Sought);
   estimator.estimate(*solution.lambda, *solution.s, 0.0);
-  if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.reason(), estimator.kkt(), estimator.isRoundOff()};
+  if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.outcome(), estimator.kkt(), estimator.isRoundOff()};
 }
 
 bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
@@ -53,7 +53,7 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
     if (run(newton_, request)) return true;
     if (!needsHelp()) return false;
   }
-  if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseParameters_, newton_.solution().lambda);
+  if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseOptions_, newton_.solution().lambda);
   if (!handedBack_) {
     handedBack_ = true;
     SolveRequest states = request;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_ParameterList.hpp>
 #include <memory>
 #include <optional>
 
@@ -15,13 +14,12 @@ namespace Haptos {
 /// the best of what the methods came to is the solution.  `name` tells who did how many multiplications.
 class AutomaticSolver final : public ContactSolver {
  public:
-  /// \param parameters the list Solver
-  AutomaticSolver(SolverContext context, const Teuchos::ParameterList& parameters);
+  AutomaticSolver(SolverContext context, const SolverOptions& options);
 
   std::string name() const override;
   bool solve(const SolveRequest& request) override;
   const DualSolution& solution() const override { return best_ ? best_->solution : current_->solution(); }
-  const std::string& reason() const override { return best_ ? best_->reason : current_->reason(); }
+  Outcome outcome() const override { return best_ ? best_->outcome : current_->outcome(); }
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override { return history_; }
   SubspaceReport subspace() const override { return newton_.subspace(); }
@@ -30,7 +28,7 @@ class AutomaticSolver final : public ContactSolver {
  private:
   struct Attempt {
     DualSolution solution;
-    std::string reason;
+    Outcome outcome;
     double kkt;  // as KktEstimator sees it
     bool isRoundOff;
   };
@@ -40,7 +38,7 @@ class AutomaticSolver final : public ContactSolver {
   void keepIfBest(const ContactSolver& solver);
 
   SolverContext context_;
-  Teuchos::ParameterList smalseParameters_;
+  SmalseOptions smalseOptions_;
   SubspaceNewtonSolver newton_;
   std::unique_ptr<SmalseContactSolver> smalse_;
   ContactSolver* current_;

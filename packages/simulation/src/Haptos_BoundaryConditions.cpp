@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Conditions and loads of a model: sets are looked up, displacements evaluated at the nodes.
-#include <Teuchos_Array.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,8 +11,6 @@
 
 namespace Haptos {
 namespace {
-
-using Names = Teuchos::Array<std::string>;
 
 std::set<std::int64_t> nodesOfSet(const Mesh& mesh, const std::vector<std::int64_t>& offsets, const std::string& name,
                                   const std::string& path) {
@@ -45,23 +42,21 @@ struct Given {
 
 }  // namespace
 
-std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::ParameterList& conditions, const Mesh& mesh) {
+std::vector<PrescribedDisplacement> collectDisplacements(const std::vector<ConditionOptions>& conditions, const Mesh& mesh) {
   const auto offsets = blockOffsets(mesh);
   std::vector<char> used(mesh.numNodes(), 0);
   for (const auto& block : mesh.blocks)
     for (auto node : block.connectivity) used[node] = 1;
   std::map<std::pair<std::int64_t, int>, Given> given;
-  for (auto it = conditions.begin(); it != conditions.end(); ++it) {
-    const auto& list = conditions.sublist(it->first);
-    if (list.get<std::string>("Type") != "Displacement") continue;
-    const std::string path = "Boundary Conditions->" + it->first;
-    const auto value = vectorExpressionFromParameter(list, "Value", path);
-    for (const auto& name : list.get<Names>("Sets"))
+  for (const auto& condition : conditions) {
+    if (condition.type != ConditionType::Displacement) continue;
+    const std::string& path = condition.path;
+    for (const auto& name : condition.sets)
       for (auto node : nodesOfSet(mesh, offsets, name, path)) {
         if (!used[node]) continue;  // a node without elements has nothing to hold
         const auto& x = mesh.coordinates[node];
-        const auto u = value(x[0], x[1], x[2]);
-        for (char letter : list.get<std::string>("Components")) {
+        const auto u = condition.value(x[0], x[1], x[2]);
+        for (char letter : condition.components) {
           const int component = letter - 'x';
           const auto [entry, isNew] = given.emplace(std::make_pair(node, component), Given{u[component], path});
           const double before = entry->second.value;
@@ -77,26 +72,22 @@ std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::Paramete
   return result;
 }
 
-std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const Mesh& mesh) {
+std::vector<Load> collectLoads(const std::vector<ConditionOptions>& conditions, const Mesh& mesh) {
   std::vector<Load> loads;
-  for (auto it = conditions.begin(); it != conditions.end(); ++it) {
-    const auto& list = conditions.sublist(it->first);
-    const std::string type = list.get<std::string>("Type"), path = "Boundary Conditions->" + it->first;
-    if (type == "Displacement") continue;
+  for (const auto& condition : conditions) {
+    if (condition.type == ConditionType::Displacement) continue;
+    const std::string& path = condition.path;
     Load load;
     load.name = path;
-    load.kind = type == "Pressure" ? Load::Kind::Pressure : type == "Traction" ? Load::Kind::Traction : Load::Kind::BodyForce;
-    if (load.kind == Load::Kind::Pressure) load.pressure = expressionFromParameter(list, "Value", path);
-    else load.value = vectorExpressionFromParameter(list, "Value", path);
-    if (load.kind == Load::Kind::BodyForce) {
-      for (const auto& name : list.get<Names>("Element Blocks")) {
-        load.blocks.push_back(findBlock(mesh, name));
-        if (load.blocks.back() < 0)
-          throw InputError(path + "->Element Blocks: the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
-      }
-    } else {
-      for (const auto& name : list.get<Names>("Sets")) load.sideSets.push_back(sideSetFor(mesh, name, type, path));
+    load.kind = condition.type;
+    load.pressure = condition.pressure;
+    load.value = condition.value;
+    for (const auto& name : condition.blocks) {
+      load.blocks.push_back(findBlock(mesh, name));
+      if (load.blocks.back() < 0)
+        throw InputError(path + "->Element Blocks: the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
     }
+    for (const auto& name : condition.sets) load.sideSets.push_back(sideSetFor(mesh, name, nameOf(condition.type), path));
     loads.push_back(std::move(load));
   }
   return loads;

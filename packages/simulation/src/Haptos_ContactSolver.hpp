@@ -6,12 +6,10 @@
 
 #include "Haptos_Accuracy.hpp"
 #include "Haptos_FetiSystem.hpp"
+#include "Haptos_Outcome.hpp"
 #include "Haptos_RunReport.hpp"
 
 namespace Haptos {
-
-/// \brief Reason of a solver that used up its multiplications, in the user's words.
-inline constexpr const char* limitIsReached = "Solver->Maximum Hessian Multiplications is reached";
 
 /// \brief Multipliers and jumps, from which the displacements follow (recoverPrimal).
 struct DualSolution {
@@ -36,7 +34,7 @@ class ContactSolver {
   virtual bool solve(const SolveRequest& request) = 0;
 
   virtual const DualSolution& solution() const = 0;
-  virtual const std::string& reason() const = 0;
+  virtual Outcome outcome() const = 0;  ///< of the last solve()
   virtual int outerIterations() const = 0;
   virtual const std::vector<HistoryEntry>& history() const = 0;
 

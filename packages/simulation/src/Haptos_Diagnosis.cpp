@@ -53,20 +53,19 @@ std::string hardFriction(const ModelData& data) {
 }
 
 std::string advice(const UnconvergedRun& run) {
-  const auto& solver = run.parameters.sublist("Solver");
+  const SolverOptions& solver = run.options.solver;
   if (isRoundOff(run.accuracy))
     return "; round-off forbids less than about " + formatted("%.1e", run.accuracy.floor) +
            ": raise Solver->Relative Tolerance above it; large rigid motions prescribed to all bodies alike make it worse";
   std::string text;
-  const int maximum = solver.get<int>("Maximum Hessian Multiplications");
-  if (run.system.dual().F->applications() >= maximum)
-    text += "; raise Solver->Maximum Hessian Multiplications (" + std::to_string(maximum) + ")";
+  if (run.system.dual().F->applications() >= solver.maximumMultiplications)
+    text += "; raise Solver->Maximum Hessian Multiplications (" + std::to_string(solver.maximumMultiplications) + ")";
   if (run.solver.subspace().compressions > 0)
-    text += "; raise Solver->Maximum Recycled Pairs (" + std::to_string(solver.get<int>("Maximum Recycled Pairs")) + ")";
-  const auto type = run.parameters.sublist("Preconditioner").get<std::string>("Type");
-  if (type != "Dirichlet" && solver.get<std::string>("Method") != "SMALSE") text += "; set Preconditioner->Type to Dirichlet";
+    text += "; raise Solver->Maximum Recycled Pairs (" + std::to_string(solver.maximumRecycledPairs) + ")";
+  if (run.options.preconditioner.kind != PreconditionerKind::Dirichlet && solver.method != SolverMethod::Smalse)
+    text += "; set Preconditioner->Type to Dirichlet";
   text += hardFriction(run.system.model().data);
-  if (text.empty() && solver.get<std::string>("Method") != "Automatic") text += "; set Solver->Method to Automatic";
+  if (text.empty() && solver.method != SolverMethod::Automatic) text += "; set Solver->Method to Automatic";
   if (text.empty()) text += "; a finer mesh at the edge of contact or a looser Solver->Relative Tolerance may help";
   return text;
 }
@@ -75,7 +74,7 @@ std::string advice(const UnconvergedRun& run) {
 
 std::string explainUnconverged(const UnconvergedRun& run) {
   const std::string measure = run.accuracy.errors.worst();
-  return (run.passed ? "the method's own test passed, but kkt did not reach the tolerance" : run.solver.reason()) +
+  return std::string(run.passed ? "the method's own test passed, but kkt did not reach the tolerance" : describe(run.solver.outcome())) +
          "; largest error: " + measure + " = " + formatted("%.2e", run.accuracy.errors.kkt()) + place(run, measure) + advice(run);
 }
 

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_ParameterList.hpp>
 #include <string>
 
 #include "Haptos_ContactSolver.hpp"
+#include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
 
@@ -14,7 +14,7 @@ struct UnconvergedRun {
   const ContactSolver& solver;
   const Vector& u;                            ///< primal map
   bool passed;                                ///< the method's own test
-  const Teuchos::ParameterList& parameters;   ///< of the whole run
+  const RunOptions& options;
 };
 
 /// \brief Why the method ended, the measure of the KKT system that is worst, where that is, and what helps.  Collective.

@@ -52,7 +52,7 @@ Bytes packHeader(const Mesh& mesh, const ModelData& data, const GlobalModel& mod
   return writer.take();
 }
 
-void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, bool isReader, DistributedModel& model) {
+void unpackHeader(const Bytes& bytes, const RunOptions& options, bool isReader, DistributedModel& model) {
   ByteReader reader(bytes);
   Mesh header;
   const auto get = [&](auto& list) {
@@ -79,8 +79,8 @@ void unpackHeader(const Bytes& bytes, const Teuchos::ParameterList& parameters, 
   model.numSubdomains = reader.read<int>();
   model.primalUnknowns = reader.read<long>();
   if (isReader) return;
-  model.data.loads = collectLoads(parameters.sublist("Boundary Conditions"), header);
-  model.data.materials = materialsOf(parameters.sublist("Materials"));
+  model.data.loads = collectLoads(options.conditions, header);
+  model.data.materials = materialsOf(options.materials);
 }
 
 std::vector<double> workOfSubdomains(const std::vector<Subdomain>& subdomains) {
@@ -116,7 +116,7 @@ void sendSubdomains(const Communicator& comm, const std::vector<int>& rankOf, Di
 
 }  // namespace
 
-DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuchos::ParameterList& parameters,
+DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
                                  const SourceMesh* source, RunClock& clock) {
   DistributedModel model;
   model.comm = comm;
@@ -124,11 +124,11 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuc
   SourceMesh mesh;
   {
     const auto scope = clock.time(Phase::Read);
-    runOnRoot(*comm, [&] { mesh = source ? *source : makeMesh(parameters); });
+    runOnRoot(*comm, [&] { mesh = source ? *source : makeMesh(options.mesh); });
   }
   const auto scope = clock.time(Phase::Decompose);
   ModelDraft draft;
-  runOnRoot(*comm, [&] { draft = draftModel(parameters, std::move(mesh), model.data, model.global); });
+  runOnRoot(*comm, [&] { draft = draftModel(options, std::move(mesh), model.data, model.global); });
   const auto parts = cutOnRanks(*comm, draft.plan.cuts);
   draft.plan.cuts = {};
   std::vector<Bytes> headers(comm->getSize());
@@ -137,7 +137,7 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuc
     draft = {};
     headers.assign(comm->getSize(), packHeader(model.global.mesh, model.data, model.global));
   });
-  unpackHeader(scatterFromRoot(*comm, headers), parameters, isReader, model);
+  unpackHeader(scatterFromRoot(*comm, headers), options, isReader, model);
   std::vector<int> rankOf;
   if (isReader) rankOf = dealToRanks(workOfSubdomains(model.global.subdomains), comm->getSize());
   model.multipliers = Teuchos::rcp(new MultiplierMap(comm, model.global.rows, rankOf));

@@ -28,9 +28,9 @@ struct DistributedModel {
 
 /// \brief Rank 0 reads the mesh (or takes `source`) and builds the model; all get their part.  Collective.
 ///
-/// \param source rank 0: a mesh made in memory, used in place of the parameters' one; may be null
+/// \param source rank 0: a mesh made in memory, used in place of the options' one; may be null
 /// \throws InputError, InsufficientModel on all ranks
-DistributedModel distributeModel(const RCP<const Communicator>& comm, const Teuchos::ParameterList& parameters,
+DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
                                  const SourceMesh* source, RunClock& clock);
 
 }  // namespace Haptos

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ModelBuilder.hpp"
 
-#include <Teuchos_Array.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <cmath>
@@ -18,25 +17,21 @@
 namespace Haptos {
 namespace {
 
-using Teuchos::ParameterList;
-using Names = Teuchos::Array<std::string>;
-
 std::string blockLabel(const ElementBlock& block) { return block.name.empty() ? std::to_string(block.id) : block.name; }
 
 // [blocks]
-std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, const std::vector<IsotropicMaterial>& materials) {
+std::vector<int> assignMaterials(const std::vector<MaterialOptions>& options, const Mesh& mesh) {
   std::vector<int> materialOfBlock(mesh.blocks.size(), -1);
   int own = 0;
-  for (auto it = list.begin(); it != list.end(); ++it) {
-    const auto& material = list.sublist(it->first);
-    const std::string path = "Materials->" + it->first + "->Element Blocks";
-    for (const auto& name : material.get<Names>("Element Blocks")) {
+  for (const auto& material : options) {
+    const std::string path = "Materials->" + material.name + "->Element Blocks";
+    for (const auto& name : material.blocks) {
       const int block = findBlock(mesh, name);
       if (block < 0)
         throw InputError(path + ": the mesh has no element block '" + name + "'; its blocks are: " + listBlocks(mesh));
       if (materialOfBlock[block] == own) throw InputError(path + ": names block '" + name + "' twice, by its name or number; once is enough");
       if (materialOfBlock[block] >= 0)
-        throw InputError(path + ": block '" + name + "' already has the material '" + materials[materialOfBlock[block]].name +
+        throw InputError(path + ": block '" + name + "' already has the material '" + options[std::size_t(materialOfBlock[block])].name +
                          "'; a block takes one material");
       materialOfBlock[block] = own;
     }
@@ -49,51 +44,34 @@ std::vector<int> assignMaterials(const ParameterList& list, const Mesh& mesh, co
   return materialOfBlock;
 }
 
-PartitionOptions partitionOptions(const ParameterList& list, const std::vector<int>& bricks) {
-  PartitionOptions options;
-  const auto method = list.get<std::string>("Method");
-  options.subdomains = list.get<int>("Subdomains");
-  options.seed = list.get<int>("Seed");
-  if (method == "Block") options.method = PartitionMethod::Block;
-  if (method == "Bricks") {
-    if (bricks.empty())
-      throw InputError("Decomposition->Method: Bricks is for the generated Two Beams mesh only; use METIS for a mesh from a file");
-    options.method = PartitionMethod::Bricks;
-    options.bricks = bricks;
-  }
-  return options;
+PartitionOptions partitionOptions(const DecompositionOptions& options, const std::vector<int>& bricks) {
+  if (options.method == PartitionMethod::Bricks && bricks.empty())
+    throw InputError("Decomposition->Method: Bricks is for the generated Two Beams mesh only; use METIS for a mesh from a file");
+  return {options, options.method == PartitionMethod::Bricks ? bricks : std::vector<int>{}};
 }
 
-std::array<double, 3> threeOf(const ParameterList& list, const std::string& name) {
-  const auto array = list.get<Teuchos::Array<double>>(name);
-  return {array[0], array[1], array[2]};
-}
-
-ContactSpec contactSpec(const std::string& name, const ParameterList& list) {
-  ContactSpec spec;
-  spec.name = name;
-  if (list.get<std::string>("Discretization") == "Mortar")
-    throw InputError("Contact->" + name +
+ContactSpec contactSpec(const ContactOptions& options) {
+  if (options.discretization == Discretization::Mortar)
+    throw InputError("Contact->" + options.name +
                      "->Discretization: Mortar is not in this version; use Node To Node, which needs meshes that match");
-  spec.secondarySideSet = list.get<std::string>("Secondary Side Set");
-  if (list.isParameter("Primary Side Set")) spec.primarySideSet = list.get<std::string>("Primary Side Set");
-  if (list.isSublist("Rigid Plane"))
-    spec.rigidPlane = RigidPlane{threeOf(list.sublist("Rigid Plane"), "Point"), threeOf(list.sublist("Rigid Plane"), "Normal")};
-  spec.matchingTolerance = list.get<double>("Matching Tolerance");
-  spec.tied = list.sublist("Friction").get<std::string>("Law") == "Tied";
-  spec.principalDirection = threeOf(list.sublist("Friction"), "Principal Direction");
+  ContactSpec spec;
+  spec.name = options.name;
+  spec.secondarySideSet = options.secondarySideSet;
+  spec.primarySideSet = options.primarySideSet;
+  if (options.rigidPlane) spec.rigidPlane = RigidPlane{options.rigidPlane->point, options.rigidPlane->normal};
+  spec.matchingTolerance = options.matchingTolerance;
+  spec.tied = !options.friction.law;
+  spec.principalDirection = options.friction.principalDirection;
   return spec;
 }
 
-FrictionSpec frictionSpec(const ParameterList& list) {
+FrictionSpec frictionSpec(const FrictionOptions& options) {
   FrictionSpec spec;
-  const auto law = list.get<std::string>("Law");
-  spec.tied = law == "Tied";
-  if (law == "Frictionless" || spec.tied) return spec;
-  spec.law = law == "Coulomb" ? FrictionLaw::Coulomb : FrictionLaw::Tresca;
-  const auto coefficients = list.get<Teuchos::Array<double>>("Coefficients");
-  spec.coefficients = {coefficients[0], coefficients[1]};
-  if (spec.law == FrictionLaw::Tresca) spec.slipBound = list.get<double>("Slip Bound");
+  spec.tied = !options.law;
+  spec.law = options.law.value_or(FrictionLaw::Frictionless);
+  if (spec.law == FrictionLaw::Frictionless) return spec;
+  spec.coefficients = options.coefficients;
+  if (spec.law == FrictionLaw::Tresca) spec.slipBound = options.slipBound;
   // Without any tangential resistance the tangential rows would only cost.
   if (spec.coefficients == std::array<double, 2>{0, 0} || (spec.law == FrictionLaw::Tresca && spec.slipBound == 0))
     spec.law = FrictionLaw::Frictionless;
@@ -140,13 +118,12 @@ void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh
   }
 }
 
-void readContact(const ParameterList& list, ModelData& data, GlobalModel& model) {
+void readContact(const std::vector<ContactOptions>& contacts, ModelData& data, GlobalModel& model) {
   std::vector<ContactSpec> specs;
-  for (auto it = list.begin(); it != list.end(); ++it) {
-    const auto& contact = list.sublist(it->first);
-    data.interfaceNames.push_back(it->first);
-    data.friction.push_back(frictionSpec(contact.sublist("Friction")));
-    specs.push_back(contactSpec(it->first, contact));
+  for (const auto& contact : contacts) {
+    data.interfaceNames.push_back(contact.name);
+    data.friction.push_back(frictionSpec(contact.friction));
+    specs.push_back(contactSpec(contact));
   }
   model.interfaces = pairSurfaces(model.mesh, specs);
   for (const auto& interface : model.interfaces) {
@@ -221,30 +198,25 @@ void requireOrdinaryStiffness(const std::vector<IsotropicMaterial>& materials) {
 
 }  // namespace
 
-std::vector<IsotropicMaterial> materialsOf(const ParameterList& list) {
+std::vector<IsotropicMaterial> materialsOf(const std::vector<MaterialOptions>& options) {
   std::vector<IsotropicMaterial> materials;
-  for (auto it = list.begin(); it != list.end(); ++it) {
-    const auto& material = list.sublist(it->first);
-    materials.push_back({it->first, material.get<double>("Young's Modulus"), material.get<double>("Poisson's Ratio")});
-  }
+  for (const auto& material : options) materials.push_back({material.name, material.youngsModulus, material.poissonsRatio});
   return materials;
 }
 
-SourceMesh makeMesh(const ParameterList& parameters) {
-  const auto& list = parameters.sublist("Mesh");
+SourceMesh makeMesh(const MeshOptions& options) {
   SourceMesh source;
-  if (list.isSublist("Two Beams")) {
-    const auto& beams = list.sublist("Two Beams");
-    const TwoBeamsSpec spec{beams.get<int>("Subdomains Per Edge"), beams.get<int>("Elements Per Subdomain Edge")};
+  if (options.twoBeams) {
+    const TwoBeamsSpec spec{options.twoBeams->subdomainsPerEdge, options.twoBeams->elementsPerSubdomainEdge};
     source.mesh = makeTwoBeams(spec);
     source.bricks = brickSubdomains(spec);
   } else {
-    source.mesh = readMeshFiles(Teuchos::SerialComm<int>(), list.get<std::string>("File")).part;
+    source.mesh = readMeshFiles(Teuchos::SerialComm<int>(), options.file).part;
   }
   return source;
 }
 
-ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model) {
+ModelDraft draftModel(const RunOptions& options, SourceMesh source, ModelData& data, GlobalModel& model) {
   ModelDraft draft;
   model.mesh = std::move(source.mesh);
   if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
@@ -252,22 +224,22 @@ ModelDraft draftModel(const ParameterList& parameters, SourceMesh source, ModelD
   if (model.mesh.numElements() + model.mesh.numNodes() > std::size_t(std::numeric_limits<int>::max()))
     throw InputError("Mesh: has " + std::to_string(model.mesh.numElements()) + " elements and " + std::to_string(model.mesh.numNodes()) +
                      " nodes; the one rank that cuts it takes at most 2147483647 of both together");
-  if (const auto& title = parameters.get<std::string>("Title"); !title.empty()) model.mesh.title = title;
+  if (!options.title.empty()) model.mesh.title = options.title;
   numberFromOne(model.mesh.nodeNumbers, model.mesh.numNodes());
   numberFromOne(model.mesh.elementNumbers, model.mesh.numElements());
-  data.materials = materialsOf(parameters.sublist("Materials"));
+  data.materials = materialsOf(options.materials);
   requireOrdinaryStiffness(data.materials);
-  draft.materialOfBlock = assignMaterials(parameters.sublist("Materials"), model.mesh, data.materials);
+  draft.materialOfBlock = assignMaterials(options.materials, model.mesh);
   chooseFormulation(draft.materialOfBlock, model.mesh, data);
-  model.prescribed = collectDisplacements(parameters.sublist("Boundary Conditions"), model.mesh);
-  data.loads = collectLoads(parameters.sublist("Boundary Conditions"), model.mesh);
+  model.prescribed = collectDisplacements(options.conditions, model.mesh);
+  data.loads = collectLoads(options.conditions, model.mesh);
   requireLoadedSides(data.loads, model.mesh);
-  readContact(parameters.sublist("Contact"), data, model);
+  readContact(options.contacts, data, model);
 
   draft.graph = buildDualGraph(model.mesh);
   draft.bodies = findBodies(model.mesh);
   data.bodyNames = draft.bodies.names;
-  draft.options = partitionOptions(parameters.sublist("Decomposition"), source.bricks);
+  draft.options = partitionOptions(options.decomposition, source.bricks);
   data.metis = draft.options.method == PartitionMethod::Metis;
   draft.plan = planPartition(model.mesh, draft.graph, draft.options);
   data.hinged = hingedBodies(draft.plan.pieces, draft.bodies);

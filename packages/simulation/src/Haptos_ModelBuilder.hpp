@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_ParameterList.hpp>
 #include <string>
 #include <vector>
 
@@ -10,12 +9,14 @@
 #include "Haptos_Expression.hpp"
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_Partition.hpp"
+#include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
 
 /// \brief A load on surfaces or volumes, with positions of sets and blocks in the mesh.
 struct Load {
-  enum class Kind { Pressure, Traction, BodyForce } kind;
+  using Kind = ConditionType;
+  Kind kind;                   ///< not a displacement
   std::string name;            ///< path of its parameter list, for messages
   std::vector<int> sideSets;   ///< of Pressure and Traction
   std::vector<int> blocks;     ///< of BodyForce
@@ -57,10 +58,10 @@ struct SourceMesh {
 };
 
 /// \brief The materials in the order of the input.
-std::vector<IsotropicMaterial> materialsOf(const Teuchos::ParameterList& materials);
+std::vector<IsotropicMaterial> materialsOf(const std::vector<MaterialOptions>& materials);
 
-/// \brief Reads or generates the mesh of the parameters.  Serial.
-SourceMesh makeMesh(const Teuchos::ParameterList& parameters);
+/// \brief Reads or generates the mesh.  Serial.
+SourceMesh makeMesh(const MeshOptions& options);
 
 /// \brief What the first half of a model leaves for the second.
 struct ModelDraft {
@@ -71,11 +72,10 @@ struct ModelDraft {
   PartitionPlan plan;
 };
 
-/// \name Parameters and a mesh become a model, on the reader, up to the cut and from there on; each half is serial.
+/// \name Options and a mesh become a model, on the reader, up to the cut and from there on; each half is serial.
 /// @{
-/// \param parameters validated, with all defaults
 /// \throws InputError naming the parameter and what exists
-ModelDraft draftModel(const Teuchos::ParameterList& parameters, SourceMesh source, ModelData& data, GlobalModel& model);
+ModelDraft draftModel(const RunOptions& options, SourceMesh source, ModelData& data, GlobalModel& model);
 /// \param partsOfPieces from `cutOnRanks` of draft.plan.cuts
 /// \throws InsufficientModel for a violated pinned contact row
 void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model);
@@ -83,10 +83,10 @@ void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& p
 
 /// \brief Prescribed values of all Displacement conditions, sorted; serial.
 /// \throws InputError for a missing set, or for two conditions that differ at a node, naming both.
-std::vector<PrescribedDisplacement> collectDisplacements(const Teuchos::ParameterList& conditions, const Mesh& mesh);
+std::vector<PrescribedDisplacement> collectDisplacements(const std::vector<ConditionOptions>& conditions, const Mesh& mesh);
 
 /// \brief Pressures, tractions and body forces; serial.  \throws InputError for a missing set or block.
-std::vector<Load> collectLoads(const Teuchos::ParameterList& conditions, const Mesh& mesh);
+std::vector<Load> collectLoads(const std::vector<ConditionOptions>& conditions, const Mesh& mesh);
 
 /// \brief Where the mesh has them: a load on nothing would be none.  Serial.  \throws InputError naming the set or block.
 void requireLoadedSides(const std::vector<Load>& loads, const Mesh& mesh);

@@ -61,7 +61,7 @@ bool PcpgSolver::solve(const SolveRequest& request) {
   Belos::PseudoBlockCGSolMgr<double, MultiVector, Operator> manager(problem, list);
   const bool passed = b_->getVector(0)->norm2() == 0.0 || manager.solve() == Belos::Converged;
   iterations_ += b_->getVector(0)->norm2() == 0.0 ? 0 : manager.getNumIters();
-  reason_ = passed ? "converged" : left < 1 ? limitIsReached : "conjugate gradients did not converge";
+  outcome_ = passed ? Outcome::Converged : left < 1 ? Outcome::MultiplicationLimit : Outcome::NotConverged;
 
   solution_.lambda = Teuchos::rcp(new Vector(*dual.lambdaIm, Teuchos::Copy));
   Vector px(dual.map());

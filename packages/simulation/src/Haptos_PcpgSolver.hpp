@@ -14,7 +14,7 @@ class PcpgSolver final : public ContactSolver {
   std::string name() const override { return "PCPG"; }
   bool solve(const SolveRequest& request) override;
   const DualSolution& solution() const override { return solution_; }
-  const std::string& reason() const override { return reason_; }
+  Outcome outcome() const override { return outcome_; }
   int outerIterations() const override { return iterations_; }
   const std::vector<HistoryEntry>& history() const override { return history_; }
   DeflationReport deflation() const override {
@@ -26,7 +26,7 @@ class PcpgSolver final : public ContactSolver {
   RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender
   DualSolution solution_;
-  std::string reason_;
+  Outcome outcome_ = Outcome::NotConverged;
   int iterations_ = 0;
   std::vector<HistoryEntry> history_;
 };

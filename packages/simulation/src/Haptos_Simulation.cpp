@@ -19,26 +19,9 @@
 namespace Haptos {
 namespace {
 
-using Teuchos::ParameterList;
-
-LocalSolverMethod localMethod(const ParameterList& parameters) {
-  const auto method = parameters.sublist("Local Solver").get<std::string>("Method");
-  return method == "CHOLMOD" ? LocalSolverMethod::Cholmod : method == "KLU2" ? LocalSolverMethod::Klu2 : LocalSolverMethod::Automatic;
-}
-
-LocalDual localDual(const ParameterList& parameters) {
-  const auto dual = parameters.sublist("Local Solver").get<std::string>("Dual Operator");
-  return dual == "Implicit" ? LocalDual::Implicit : dual == "Explicit" ? LocalDual::Explicit : LocalDual::Automatic;
-}
-
-std::optional<PreconditionerKind> preconditionerKind(const ParameterList& parameters) {
-  const auto type = parameters.sublist("Preconditioner").get<std::string>("Type");
-  if (type == "None" || parameters.sublist("Solver").get<std::string>("Method") == "SMALSE") return {};
-  return type == "Lumped" ? PreconditionerKind::Lumped : PreconditionerKind::Dirichlet;
-}
-
-std::string lawName(FrictionLaw law) {
-  return law == FrictionLaw::Coulomb ? "Coulomb" : law == FrictionLaw::Tresca ? "Tresca" : "Frictionless";
+// SMALSE uses none.
+std::optional<PreconditionerKind> preconditionerKind(const RunOptions& options) {
+  return options.solver.method == SolverMethod::Smalse ? std::nullopt : options.preconditioner.kind;
 }
 
 // What the scene did not need and was not built.
@@ -91,15 +74,11 @@ JumpReport measureJump(const JumpOperator& B, const Communicator& comm) {
 }
 
 // Before the work, not after it.  Serial.
-void requireFilesForResults(const ParameterList& parameters) {
-  const auto& output = parameters.sublist("Output");
-  const auto& mesh = parameters.sublist("Mesh");
+void requireFilesForResults(const RunOptions& options) {
   std::vector<std::pair<std::string, std::string>> taken;
-  if (mesh.isParameter("File")) taken.emplace_back("Mesh->File", mesh.get<std::string>("File"));
-  for (const char* name : {"File", "Summary"}) {
-    const auto file = output.get<std::string>(name);
+  if (!options.mesh.file.empty()) taken.emplace_back("Mesh->File", options.mesh.file);
+  for (const auto& [what, file] : {std::pair<std::string, std::string>("Output->File", options.output.file), {"Output->Summary", options.output.summary}}) {
     if (file.empty()) continue;
-    const std::string what = std::string("Output->") + name;
     requireWritableFolder(file, what);
     for (const auto& [otherWhat, other] : taken) requireOtherFile(what, file, otherWhat, other);
     taken.emplace_back(what, file);
@@ -107,19 +86,18 @@ void requireFilesForResults(const ParameterList& parameters) {
 }
 
 // Known before the work starts, so said before it.
-void requireFittingMethod(const ParameterList& parameters, long pairs) {
-  const auto method = parameters.sublist("Solver").get<std::string>("Method");
-  if (method == "PCPG" && pairs > 0)
+void requireFittingMethod(const RunOptions& options, long pairs) {
+  if (options.solver.method == SolverMethod::Pcpg && pairs > 0)
     throw InputError("Solver->Method: PCPG is for models without contact, and this one has " + std::to_string(pairs) +
                      " contact pairs; use Automatic");
-  if (method == "Subspace Newton" && parameters.sublist("Preconditioner").get<std::string>("Type") == "None")
+  if (options.solver.method == SolverMethod::SubspaceNewton && !options.preconditioner.kind)
     throw InputError("Preconditioner->Type: Subspace Newton needs a preconditioner; use Dirichlet or Lumped");
 }
 
 }  // namespace
 
-Simulation::Simulation(RCP<const Communicator> comm, const ParameterList& parameters, Progress* progress, const SourceMesh* source)
-    : comm_(std::move(comm)), parameters_(parameters), progress_(progress), source_(source) {}
+Simulation::Simulation(RCP<const Communicator> comm, const Teuchos::ParameterList& parameters, Progress* progress, const SourceMesh* source)
+    : comm_(std::move(comm)), options_(runOptions(parameters)), progress_(progress), source_(source) {}
 
 Simulation::~Simulation() = default;
 
@@ -131,9 +109,9 @@ void Simulation::tell(const std::string& text) const {
 }
 
 void Simulation::prepare() {
-  runOnRoot(*comm_, [&] { requireFilesForResults(parameters_); });
-  model_ = std::make_unique<DistributedModel>(distributeModel(comm_, parameters_, source_, clock_));
-  requireFittingMethod(parameters_, long(model_->multipliers->numPairs()));
+  runOnRoot(*comm_, [&] { requireFilesForResults(options_); });
+  model_ = std::make_unique<DistributedModel>(distributeModel(comm_, options_, source_, clock_));
+  requireFittingMethod(options_, long(model_->multipliers->numPairs()));
   model_->nodalForces = nodalForces_;
   {
     const auto scope = clock_.time(Phase::Assemble);
@@ -155,8 +133,8 @@ void Simulation::describeModel() {
   const MultiplierMap& multipliers = *model_->multipliers;
   report_.version = versionNumber();
   report_.ranks = comm_->getSize();
-  report_.title = parameters_.get<std::string>("Title");
-  report_.tolerance = parameters_.sublist("Solver").get<double>("Relative Tolerance");
+  report_.title = options_.title;
+  report_.tolerance = options_.solver.tolerance;
   ModelReport& m = report_.model;
   m.bodies = int(model_->data.bodyNames.size());
   m.subdomains = model_->numSubdomains;
@@ -170,9 +148,9 @@ void Simulation::describeModel() {
   m.discretization = m.contactPairs + m.tiedPairs > 0 ? "Node To Node" : "none";
   FrictionLaw law = FrictionLaw::Frictionless;
   for (const auto& friction : model_->data.friction) law = std::max(law, friction.law);
-  m.law = m.contactPairs > 0 ? lawName(law) : "none";
+  m.law = m.contactPairs > 0 ? nameOf(std::optional(law)) : "none";
   m.formulation = model_->data.formulation == Formulation::BBar ? "B-bar" : "standard";
-  m.preconditioner = parameters_.sublist("Preconditioner").get<std::string>("Type");
+  m.preconditioner = nameOf(preconditionerKind(options_));
   m.leftOut = leftOut(model_->data, m.contactPairs);
   m.notes = model_->data.notes;
   m.notes.insert(m.notes.end(), model_->data.remarks.begin(), model_->data.remarks.end());
@@ -192,21 +170,23 @@ void Simulation::describeLocalSystems() {
 }
 
 std::unique_ptr<ContactSolver> Simulation::makeSolver() {
-  const auto& list = parameters_.sublist("Solver");
-  std::string method = list.get<std::string>("Method");
+  SolverMethod method = options_.solver.method;
   const bool contact = model_->multipliers->numPairs() > 0;
-  if (method == "Automatic" && !contact) method = "PCPG";
-  if (method == "Automatic" && system_->preconditioner().is_null()) method = "SMALSE";  // the one that needs none
+  if (method == SolverMethod::Automatic && !contact) method = SolverMethod::Pcpg;
+  if (method == SolverMethod::Automatic && system_->preconditioner().is_null()) method = SolverMethod::Smalse;  // the one that needs none
   SolverContext context{*system_, loads_, [this](const HistoryEntry& entry) {
     if (progress_)
       progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
                         formatted("%.1e", entry.residual) + ", stick " + std::to_string(entry.stick) + ", slip " +
                         std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
   }};
-  if (method == "SMALSE") return std::make_unique<SmalseContactSolver>(context, list.sublist("SMALSE"));
-  if (method == "PCPG") return std::make_unique<PcpgSolver>(context);
-  if (method == "Subspace Newton") return std::make_unique<SubspaceNewtonSolver>(context, list);
-  return std::make_unique<AutomaticSolver>(context, list);
+  switch (method) {
+    case SolverMethod::Smalse: return std::make_unique<SmalseContactSolver>(context, options_.solver.smalse);
+    case SolverMethod::Pcpg: return std::make_unique<PcpgSolver>(context);
+    case SolverMethod::SubspaceNewton: return std::make_unique<SubspaceNewtonSolver>(context, options_.solver);
+    case SolverMethod::Automatic: break;
+  }
+  return std::make_unique<AutomaticSolver>(context, options_.solver);
 }
 
 Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {
@@ -219,22 +199,20 @@ Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u)
 SimulationResult Simulation::solve() {
   {
     const auto scope = clock_.time(Phase::Factor);
-    system_->factor(localMethod(parameters_), localDual(parameters_), preconditionerKind(parameters_));
+    system_->factor(options_.localSolver.method, options_.localSolver.dual, preconditionerKind(options_));
     describeLocalSystems();
   }
   {
     const auto scope = clock_.time(Phase::Coarse);
-    const auto& coarse = parameters_.sublist("Coarse Problem");
-    system_->formDual({coarse.get<int>("Replicated Up To"), coarse.get<int>("Ranks Per Factor")});
+    system_->formDual(options_.coarse);
   }
   const auto scope = clock_.time(Phase::Solve);
-  const auto& list = parameters_.sublist("Solver");
   const double tolerance = report_.tolerance;
   const auto solver = makeSolver();
   bool passed = false;
   Accuracy accuracy;
   RCP<Vector> u;
-  SolveRequest request{tolerance, list.get<int>("Maximum Hessian Multiplications")};
+  SolveRequest request{tolerance, options_.solver.maximumMultiplications};
   for (int attempt = 0; attempt < 12; ++attempt) {
     passed = solver->solve(request);
     {
@@ -250,7 +228,7 @@ SimulationResult Simulation::solve() {
   }
   const bool solved = accuracy.errors.kkt() <= tolerance;
   report_.solver.status = solved ? "converged" : "not converged";
-  report_.solver.reason = solved ? "" : explainUnconverged({*system_, accuracy, *solver, *u, passed, parameters_});
+  report_.solver.reason = solved ? "" : explainUnconverged({*system_, accuracy, *solver, *u, passed, options_});
   return collect(*solver, accuracy, *u);
 }
 
@@ -291,12 +269,12 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
 }
 
 void Simulation::write(SimulationResult& result) {
-  const auto& output = parameters_.sublist("Output");
+  const OutputOptions& output = options_.output;
   {
     const auto scope = clock_.time(Phase::Write);
-    if (const auto file = output.get<std::string>("File"); !file.empty()) {
+    if (!output.file.empty()) {
       const RunReport& report = result.report;
-      ExodusWriter writer(comm_, file, mesh_);
+      ExodusWriter writer(comm_, output.file, mesh_);
       writer.writeStep(1.0, makeResultFields(*comm_, mesh_.nodes, {result.displacement, result.pairs, result.elements,
                                                                    report.accuracy.errors.kkt(), report.solver.hessianMultiplications}));
       writer.close();
@@ -306,7 +284,7 @@ void Simulation::write(SimulationResult& result) {
   result.report.times = clock_.slowest(*comm_);
   result.report.peakMemoryMb = gatherPeakMemoryMb(*comm_);
   runOnRoot(*comm_, [&] {
-    if (!output.get<std::string>("Summary").empty()) writeTextFile(output.get<std::string>("Summary"), summaryJson(result.report));
+    if (!output.summary.empty()) writeTextFile(output.summary, summaryJson(result.report));
   });
 }
 

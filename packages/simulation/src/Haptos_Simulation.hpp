@@ -7,6 +7,7 @@
 #include "Haptos_FieldOutput.hpp"
 #include "Haptos_MeshShare.hpp"
 #include "Haptos_Progress.hpp"
+#include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
 
@@ -61,7 +62,7 @@ class Simulation {
   SimulationResult collect(const ContactSolver& solver, const Accuracy& accuracy, const Vector& u);
 
   RCP<const Communicator> comm_;
-  Teuchos::ParameterList parameters_;
+  RunOptions options_;
   Progress* progress_;
   const SourceMesh* source_;
   std::vector<NodalForces> nodalForces_;

@@ -54,15 +54,6 @@ RCP<MultiVector> gapMultiplier(const FetiSystem& system) {
   return multiplier;
 }
 
-RCP<Teuchos::ParameterList> managerParameters(const Teuchos::ParameterList& user) {
-  const std::pair<const char*, const char*> names[] = {
-      {"Rho Factor", "Rho Factor"}, {"M Factor", "M0"}, {"M Floor", "M Floor"}, {"Beta", "Beta"},
-      {"Eta Factor", "Eta0"}, {"Gamma", "Gamma"}, {"Step Length", "Alpha Factor"}};
-  auto list = Teuchos::parameterList();
-  for (const auto& [theirs, ours] : names) list->set(ours, user.get<double>(theirs));
-  return list;
-}
-
 }  // namespace
 
 std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale) {
@@ -87,7 +78,7 @@ struct SmalseContactSolver::Impl {
   SolveRequest request{};
 };
 
-SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start)
+SmalseContactSolver::SmalseContactSolver(SolverContext context, const SmalseOptions& options, RCP<const Vector> start)
     : context_(std::move(context)), impl_(std::make_unique<Impl>(context_)) {
   const FetiSystem& system = context_.system;
   const DualProblem& dual = system.dual();
@@ -97,7 +88,7 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::P
   impl_->program = Teuchos::rcp(new FetiProgram(dual, impl_->x, rightHandSide(dual), impl_->fixedPoint->set()));
   impl_->manager.setProblem(impl_->program);
   impl_->manager.setMultiplier(gapMultiplier(system));
-  impl_->manager.setParameters(managerParameters(parameters));
+  impl_->manager.setOptions({options});
   impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
   impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });
   impl_->manager.setObserver([this](const SmalseRecord&) { record(impl_->estimator.kkt()); });
@@ -105,19 +96,19 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const Teuchos::P
 
 SmalseContactSolver::~SmalseContactSolver() = default;
 
+Outcome SmalseContactSolver::outcome() const { return impl_->manager.outcome(); }
+
 int SmalseContactSolver::outerIterations() const { return int(impl_->manager.history().size()); }
 
 bool SmalseContactSolver::solve(const SolveRequest& request) {
   const DualProblem& dual = context_.system.dual();
   impl_->request = request;
   const long others = dual.F->applications() - impl_->manager.counts().hessianApplications;  // a request counts those of the whole run
-  auto list = Teuchos::parameterList(*impl_->manager.getCurrentParameters());
-  list->set("Convergence Tolerance", request.tolerance);
-  list->set("Maximum Hessian Multiplications", int(std::max(1L, request.maximumMultiplications - others)));
-  impl_->manager.setParameters(list);
+  auto options = impl_->manager.options();
+  options.tolerance = request.tolerance;
+  options.maximumMultiplications = int(std::max(1L, request.maximumMultiplications - others));
+  impl_->manager.setOptions(options);
   const bool passed = impl_->manager.solve() == Belos::Converged;
-  reason_ = impl_->manager.reason();
-  if (reason_ == "limit of Hessian multiplications") reason_ = limitIsReached;
   solution_.lambda = Teuchos::rcp(new Vector(*impl_->x->getVector(0), Teuchos::Copy));
   solution_.s = Teuchos::rcp(new Vector(*impl_->manager.gradient()->getVector(0), Teuchos::Copy));
   solution_.s->scale(-1.0);  // s = B u - c = h - F lambda + G^T a is minus the gradient of the Lagrangian

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_ParameterList.hpp>
 #include <memory>
 
 #include "Haptos_ContactSolver.hpp"
+#include "Haptos_Options.hpp"
 
 namespace Haptos {
 
@@ -12,15 +12,14 @@ namespace Haptos {
 /// Its outer test estimates kkt from lambda and the gradient of the Lagrangian, which is -(B u - c).
 class SmalseContactSolver final : public ContactSolver {
  public:
-  /// \param parameters the sublist Solver->SMALSE
   /// \param start first multipliers, or null for those of Im G^T
-  SmalseContactSolver(SolverContext context, const Teuchos::ParameterList& parameters, RCP<const Vector> start = Teuchos::null);
+  SmalseContactSolver(SolverContext context, const SmalseOptions& options, RCP<const Vector> start = Teuchos::null);
   ~SmalseContactSolver() override;
 
   std::string name() const override { return "SMALSE"; }
   bool solve(const SolveRequest& request) override;
   const DualSolution& solution() const override { return solution_; }
-  const std::string& reason() const override { return reason_; }
+  Outcome outcome() const override;
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override { return history_; }
 
@@ -32,7 +31,6 @@ class SmalseContactSolver final : public ContactSolver {
   SolverContext context_;
   std::unique_ptr<Impl> impl_;
   DualSolution solution_;
-  std::string reason_;
   std::vector<HistoryEntry> history_;
 };
 

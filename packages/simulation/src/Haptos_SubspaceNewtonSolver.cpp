@@ -52,7 +52,7 @@ struct SubspaceNewtonSolver::Impl {
   SubspaceNewtonSolMgr manager;
   SolveRequest request{};
   DualSolution solution;
-  std::string reason;
+  Outcome outcome = Outcome::Stalled;
   std::vector<HistoryEntry> history;
 
   Impl(SolverContext c, int maximumPairs)
@@ -98,8 +98,8 @@ struct SubspaceNewtonSolver::Impl {
   }
 };
 
-SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context, const Teuchos::ParameterList& parameters)
-    : impl_(std::make_unique<Impl>(std::move(context), parameters.get<int>("Maximum Recycled Pairs"))) {}
+SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context, const SolverOptions& options)
+    : impl_(std::make_unique<Impl>(std::move(context), options.maximumRecycledPairs)) {}
 SubspaceNewtonSolver::~SubspaceNewtonSolver() = default;
 
 void SubspaceNewtonSolver::startFrom(const DualSolution& solution) { impl_->manager.startFrom(*solution.lambda, *solution.s); }
@@ -108,16 +108,14 @@ bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   Impl& impl = *impl_;
   impl.setRequest(request);
   const bool passed = impl.manager.solve() == Belos::Converged;
-  impl.reason = passed                           ? "converged"
-                : impl.manager.isLOADetected() ? "the residual was no longer halved"
-                                                 : limitIsReached;
+  impl.outcome = passed ? Outcome::Converged : impl.manager.isLOADetected() ? Outcome::Stalled : Outcome::MultiplicationLimit;
   impl.solution.lambda = Teuchos::rcp(new Vector(*impl.lambda->getVector(0), Teuchos::Copy));
   impl.solution.s = Teuchos::rcp(new Vector(*impl.manager.jumps(), Teuchos::Copy));
   return passed;
 }
 
 const DualSolution& SubspaceNewtonSolver::solution() const { return impl_->solution; }
-const std::string& SubspaceNewtonSolver::reason() const { return impl_->reason; }
+Outcome SubspaceNewtonSolver::outcome() const { return impl_->outcome; }
 int SubspaceNewtonSolver::outerIterations() const { return impl_->manager.getNumIters(); }
 const std::vector<HistoryEntry>& SubspaceNewtonSolver::history() const { return impl_->history; }
 bool SubspaceNewtonSolver::gaveUp() const { return impl_->manager.isLOADetected(); }

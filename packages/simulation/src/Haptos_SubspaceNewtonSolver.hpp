@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_ParameterList.hpp>
 #include <memory>
 
 #include "Haptos_ContactSolver.hpp"
+#include "Haptos_Options.hpp"
 
 namespace Haptos {
 
@@ -12,14 +12,13 @@ namespace Haptos {
 /// `gaveUp` tells that restarts did not help: another method may go on from `solution`.
 class SubspaceNewtonSolver final : public ContactSolver {
  public:
-  /// \param parameters the list Solver
-  SubspaceNewtonSolver(SolverContext context, const Teuchos::ParameterList& parameters);
+  SubspaceNewtonSolver(SolverContext context, const SolverOptions& options);
   ~SubspaceNewtonSolver() override;
 
   std::string name() const override { return "Subspace Newton"; }
   bool solve(const SolveRequest& request) override;
   const DualSolution& solution() const override;
-  const std::string& reason() const override;
+  Outcome outcome() const override;
   int outerIterations() const override;
   const std::vector<HistoryEntry>& history() const override;
 
