@@ -2,6 +2,14 @@
 #pragma once
 #include <array>
 #include <cmath>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief Node coordinates of one subdomain [numNodes], in the user's unit of length.
+using Coordinates = std::vector<std::array<double, 3>>;
+
+}  // namespace Haptos
 
 /// \brief Plain arithmetic on points and directions of space.
 namespace Haptos::Vec3 {

@@ -11,7 +11,8 @@
 
 namespace Haptos {
 
-/// \brief The lower triangle of a symmetric coarse matrix in 6 x 6 blocks (s, t), s >= t, of global subdomains.
+/// \brief The lower triangle of a symmetric coarse matrix in 6 x 6 blocks (s, t), s >= t, of coarse unknowns 6 s to 6 s + 5:
+/// those of a subdomain, where all subdomains have six.
 class CoarseBlocks {
  public:
   static constexpr int kModes = 6;

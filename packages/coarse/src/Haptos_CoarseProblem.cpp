@@ -78,10 +78,10 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   if (costs.setUps == 0 && placement_->holds()) costs.blocks = blocksOfSum(*fixed_, first);
   changing_ = subdomainsOf(first);
   Eigen::MatrixXd condenses(1, 1);
-  condenses(0, 0) = CoarseSchur::pays(size_, kModes * Eigen::Index(changing_.size()));
+  condenses(0, 0) = CoarseSchur::pays(paddedSize(), kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
-  if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, size_);
+  if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, paddedSize());
   if (when == Factor::WithRoughRenewal) precision_ = FactorPrecision::Single;
   if (when == Factor::Now) factor(std::move(first));
 }
@@ -98,12 +98,27 @@ CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
-  return CoarseBlocks(part.rows, part.q).onHolders(*placement_, part.rows.cols() / kModes);
+  return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kModes);
+}
+
+Eigen::Index CoarseProblem::paddedSize() const { return (size_ + kModes - 1) / kModes * kModes; }
+
+// With zeros for the unknowns that fill the last six, which the matrix keeps apart.
+Eigen::MatrixXd CoarseProblem::padded(Eigen::MatrixXd b) const {
+  if (paddedSize() == size_) return b;
+  b.conservativeResize(paddedSize(), Eigen::NoChange);
+  b.bottomRows(paddedSize() - size_).setZero();
+  return b;
 }
 
 // + scale w w^T: large enough to hold, not so large that it hides the rest; the largest diagonal entry is the natural unit.
 void CoarseProblem::addHolds(const Holds& holds, double scale) {
-  held_.add(CoarseBlocks(holds), scale > 0 ? scale : 1.0);  // 0: no row at all
+  Holds all = holds;
+  for (Eigen::Index i = size_; i < paddedSize(); ++i) {  // a unit vector each: 1 on the diagonal, nothing beside it
+    all.emplace_back(paddedSize());
+    all.back().insert(i) = 1;
+  }
+  held_.add(CoarseBlocks(all), scale > 0 ? scale : 1.0);  // 0: no row at all
   isHeld_ = !holds.empty();
 }
 
@@ -140,7 +155,7 @@ void CoarseProblem::factor(CoarseBlocks changing) {
 
 // P^T A P = L L^T, sparse, of all unknowns
 void CoarseProblem::factorWhole() {
-  if (matrix_.matrix().rows() == 0) matrix_ = CoarseMatrix({fixed_.get(), &held_}, size_);
+  if (matrix_.matrix().rows() == 0) matrix_ = CoarseMatrix({fixed_.get(), &held_}, paddedSize());
   matrix_.set({fixed_.get(), &held_, &changingBlocks_});
   if (factor_) factor_->renew(matrix_.matrix());
   else factor_ = std::make_unique<LocalSolverFactor>(matrix_.matrix(), LocalSolverMethod::Automatic);
@@ -150,16 +165,18 @@ void CoarseProblem::factorWhole() {
 void CoarseProblem::factorCondensed() {
   if (!condensed_) {
     const CoarseSchur::Parts stays{fixed_.get(), &held_};
-    condensed_ = std::make_unique<CoarseSchurFactor>(std::make_shared<const CoarseSchur>(size_, stays, changing_), precision_);
+    condensed_ = std::make_unique<CoarseSchurFactor>(std::make_shared<const CoarseSchur>(paddedSize(), stays, changing_), precision_);
   }
   condensed_->renew(changingBlocks_);
 }
 
 // b on the holders, empty elsewhere; x on all.
 Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const {
-  Eigen::MatrixXd x(rows, columns);
-  if (factor_) factor_->solve(b, x);
-  if (condensed_) x = condensed_->solve(b);
+  Eigen::MatrixXd x(paddedSize(), columns), copy;
+  const Eigen::MatrixXd& rhs = paddedSize() == b.rows() ? b : copy = padded(b);
+  if (factor_) factor_->solve(rhs, x);
+  if (condensed_) x = condensed_->solve(rhs);
+  x.conservativeResize(rows, Eigen::NoChange);
   placement_->broadcast(x);
   count(columns);
   return x;
@@ -196,15 +213,17 @@ Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
   const bool isFirst = first_.size() == 0;
   if (isFirst) first_ = changing;
-  const Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
+  Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
   Eigen::MatrixXd a(changing.size(), 1);
   if (placement.holds()) {
+    b = problem_.padded(std::move(b));
     if (isFirst) {
       eliminated_ = problem_.condenses_ ? problem_.condensed_->schur()->eliminate(b) : b;
       total_ = Eigen::VectorXd::Zero(b.rows());
     }
     a = solveForRest(isFirst ? Eigen::VectorXd() : Eigen::VectorXd(b + problem_.changingBlocks_.multiply(total_)));
     total_ += a;
+    a.conservativeResize(changing.size(), Eigen::NoChange);
   }
   placement.broadcast(a);
   problem_.count(1);
@@ -239,15 +258,17 @@ Eigen::VectorXd CoarseProblem::Series::last(const CoarseProblem& fixedAlone, con
   if (!shares) return fixedAlone.solveSum(mine_ + changing);
   const CoarsePlacement& placement = *problem_.placement_;
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
-  const Eigen::MatrixXd b = placement.sum(Eigen::VectorXd(changing - first_));
+  Eigen::MatrixXd b = placement.sum(Eigen::VectorXd(changing - first_));
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
+    b = problem_.padded(std::move(b));
     const CoarseSchurFactor& factor = *fixedAlone.condensed_;
     const CoarseSchur& fixed = *factor.schur();
     const Eigen::Index n = factor.schurSize();
-    for (Eigen::Index i = a.rows() - n; i < a.rows(); ++i) eliminated_(i, 0) += b(fixed.order()[std::size_t(i)], 0);
+    for (Eigen::Index i = b.rows() - n; i < b.rows(); ++i) eliminated_(i, 0) += b(fixed.order()[std::size_t(i)], 0);
     factor.solveSchur(eliminated_.bottomRows(n));
     a = fixed.substituteBack(eliminated_);
+    a.conservativeResize(mine_.size(), Eigen::NoChange);
   }
   placement.broadcast(a);
   fixedAlone.count(1);

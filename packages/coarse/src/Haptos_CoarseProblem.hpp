@@ -15,7 +15,7 @@ namespace Haptos {
 
 /// \brief The matrix A = sum over ranks of C^T diag(q) C, with C = G^T on this rank's rows, and its sparse factor.
 ///
-/// Assembly is distributed (CoarseBlocks); all holders of a factor (CoarsePlacement) have the same digits.
+/// Unknowns are taken in sixes, the motions of most subdomains; any l will do.  Assembly is distributed (CoarseBlocks); all holders of a factor (CoarsePlacement) have the same digits.
 class CoarseProblem {
  public:
   /// \brief Coarse vectors w [l x k]: w w^T, scaled to A, is added to hold motions that nothing else holds.
@@ -92,13 +92,15 @@ class CoarseProblem {
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
   void count(Eigen::Index columns) const;
   CoarseBlocks sumUp(const Weighted& part) const;
+  Eigen::Index paddedSize() const;
+  Eigen::MatrixXd padded(Eigen::MatrixXd b) const;
   void addHolds(const Holds& holds, double scale);
   void factor(CoarseBlocks changing);
   void factorWhole();
   void factorCondensed();
 
   Placement placement_;
-  Eigen::Index size_;
+  Eigen::Index size_;  // l
   std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
   CoarseBlocks held_;
   CoarseBlocks changingBlocks_;  // of today, on the holders

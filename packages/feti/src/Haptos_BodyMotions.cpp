@@ -4,7 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
-#include <limits>
+#include <algorithm>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
@@ -14,76 +14,132 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = 6;
-
 template <class Packed>
 void sumOverRanks(const Communicator& comm, Packed& values) {
   const Packed mine = values;
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), values.data());
 }
 
+// Coefficients of the motions without energy, by columns: U [6 x 6] what the motions have outside the kernels, squared, N the
+// motions themselves.
+Eigen::MatrixXd motionsWithoutEnergy(const Eigen::Matrix<double, 6, 6>& U, const Eigen::Matrix<double, 6, 6>& N) {
+  constexpr double kInside = 1e-10;
+  if (U.cwiseAbs().maxCoeff() <= kInside * N.trace()) return Eigen::MatrixXd::Identity(6, 6);
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(U);
+  Eigen::Index k = 0;
+  while (k < 6 && eigen.eigenvalues()[k] <= kInside * N.trace()) ++k;
+  return eigen.eigenvectors().leftCols(k);
+}
+
 }  // namespace
 
-BodyMotions::BodyMotions(const Communicator& comm, const std::vector<Subdomain>& subdomains, const LocalSystems& systems,
-                         int numSubdomains, std::vector<std::string> names)
-    : names_(std::move(names)) {
-  const int bodies = numBodies();
-  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, bodies);
-  for (const auto& sub : subdomains)
-    for (const auto& x : sub.coordinates) sums.col(sub.body) += Eigen::Vector4d(x[0], x[1], x[2], 1.0);
+// Centre and size of every body, and its first subdomain.
+void BodyMotions::findBodies(const Communicator& comm, const LocalSystems& systems, const std::vector<int>& bodies) {
+  const int count = numBodies();
+  Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, count);
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (const auto& x : systems.source().coordinates(int(i))) sums.col(bodies[i]) += Eigen::Vector4d(x[0], x[1], x[2], 1.0);
   sumOverRanks(comm, sums);
-  Eigen::VectorXd size2 = Eigen::VectorXd::Zero(bodies), largest2(bodies);
-  std::vector<int> first(bodies, numSubdomains);
-  for (int b = 0; b < bodies; ++b) centre_.push_back(sums.col(b).head<3>() / sums(3, b));
-  for (const auto& sub : subdomains) {
-    first[sub.body] = std::min(first[sub.body], sub.id);
-    for (const auto& x : sub.coordinates)
-      size2[sub.body] = std::max(size2[sub.body], (Eigen::Vector3d(x[0], x[1], x[2]) - centre_[sub.body]).squaredNorm());
-  }
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, bodies, size2.data(), largest2.data());
-  firstSubdomain_.resize(bodies);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, bodies, first.data(), firstSubdomain_.data());
-  for (int b = 0; b < bodies; ++b) size_.push_back(std::sqrt(largest2[b]));
+  for (int b = 0; b < count; ++b) centre_.push_back(sums.col(b).head<3>() / sums(3, b));
+  Eigen::VectorXd size2 = Eigen::VectorXd::Zero(count), largest2(count);
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    for (const auto& x : systems.source().coordinates(int(i)))
+      size2[bodies[i]] = std::max(size2[bodies[i]], (Eigen::Vector3d(x[0], x[1], x[2]) - centre_[std::size_t(bodies[i])]).squaredNorm());
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, size2.data(), largest2.data());
+  for (int b = 0; b < count; ++b) size_.push_back(std::sqrt(largest2[b]));
+}
 
-  // Block s of Z: R_s^T times the six motions of its body.
-  Eigen::MatrixXd blocks = Eigen::MatrixXd::Zero(kModes * kModes, numSubdomains);
-  std::vector<int> bodyOf(numSubdomains, 0), bodyOfAll(numSubdomains);
-  for (std::size_t i = 0; i < subdomains.size(); ++i) {
-    const Subdomain& sub = subdomains[i];
-    bodyOf[sub.id] = sub.body;
-    Eigen::Map<Eigen::MatrixXd> block(blocks.col(sub.id).data(), kModes, kModes);
-    for (int node = 0; node < sub.numNodes(); ++node) {
-      const auto& x = sub.coordinates[node];
-      Eigen::Matrix<double, 3, 6> motion = rigidMotion(Eigen::Vector3d(x[0], x[1], x[2]), centre_[sub.body]);
-      motion.rightCols<3>() /= size_[sub.body];
-      block.noalias() += systems[int(i)].R().middleRows(3 * node, 3).transpose() * motion;
-    }
+// The six at a place.
+Eigen::Matrix<double, 3, 6> BodyMotions::motionAt(int body, const std::array<double, 3>& x) const {
+  Eigen::Matrix<double, 3, 6> motion = rigidMotion(Eigen::Vector3d(x[0], x[1], x[2]), centre_[std::size_t(body)]);
+  motion.rightCols<3>() /= size_[std::size_t(body)];
+  return motion;
+}
+
+// What the ranks know of the bodies' motions together.
+struct BodyMotions::Sums {
+  Eigen::MatrixXd rows;     // [6 x l] R^T times the six motions of the subdomain's body, transposed
+  Eigen::MatrixXd squares;  // [6 x 12 bodies] U and N of motionsWithoutEnergy, body after body
+  Eigen::VectorXi bodyOf;   // [l]
+
+  void add(const Eigen::MatrixXd& block, const Eigen::Matrix<double, 6, 6>& N, int column, int body) {
+    rows.middleCols(column, block.rows()) = block.transpose();
+    squares.middleCols<6>(12 * body) += N - block.transpose() * block;
+    squares.middleCols<6>(12 * body + 6) += N;
+    bodyOf.segment(column, block.rows()).setConstant(body);
   }
-  sumOverRanks(comm, blocks);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, numSubdomains, bodyOf.data(), bodyOfAll.data());
+};
+
+BodyMotions::Sums BodyMotions::sumUp(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies) const {
+  const int l = G.dimension();
+  Sums sums{Eigen::MatrixXd::Zero(6, l), Eigen::MatrixXd::Zero(6, 12 * numBodies()), Eigen::VectorXi::Zero(l)};
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const auto& R = systems[int(i)].R();
+    const auto& coordinates = systems.source().coordinates(int(i));
+    Eigen::MatrixXd block = Eigen::MatrixXd::Zero(R.cols(), 6);
+    Eigen::Matrix<double, 6, 6> N = Eigen::Matrix<double, 6, 6>::Zero();
+    for (std::size_t node = 0; node < coordinates.size(); ++node) {
+      const auto motion = motionAt(bodies[i], coordinates[node]);
+      block.noalias() += R.middleRows(3 * Eigen::Index(node), 3).transpose() * motion;
+      N.noalias() += motion.transpose() * motion;
+    }
+    sums.add(block, N, G.columnOf(int(i)), bodies[i]);
+  }
+  const Communicator& comm = *G.getRangeMap()->getComm();
+  sumOverRanks(comm, sums.rows);
+  sumOverRanks(comm, sums.squares);
+  sumOverRanks(comm, sums.bodyOf);
+  return sums;
+}
+
+// The coarse unknowns of every body's first subdomain.
+void BodyMotions::findFirst(const NaturalCoarseSpace& G, const std::vector<int>& bodies) {
+  const Communicator& comm = *G.getRangeMap()->getComm();
+  const int count = numBodies();
+  std::vector<int> begin(names_.size(), G.dimension()), first(begin), end(names_.size(), 0), last(end);
+  for (std::size_t i = 0; i < bodies.size(); ++i) begin[bodies[i]] = std::min(begin[bodies[i]], G.columnOf(int(i)));
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, count, begin.data(), first.data());
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (G.columnOf(int(i)) == first[bodies[i]]) end[bodies[i]] = G.columnOf(int(i) + 1);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, end.data(), last.data());
+  for (int b = 0; b < count; ++b) first_.push_back({first[b], last[b]});
+}
+
+BodyMotions::BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies,
+                         std::vector<std::string> names)
+    : names_(std::move(names)) {
+  findBodies(*G.getRangeMap()->getComm(), systems, bodies);
+  findFirst(G, bodies);
+  const Sums sums = sumUp(G, systems, bodies);
+  for (int b = 0; b < numBodies(); ++b) {
+    const Eigen::MatrixXd basis = motionsWithoutEnergy(sums.squares.middleCols<6>(12 * b), sums.squares.middleCols<6>(12 * b + 6));
+    for (Eigen::Index m = 0; m < basis.cols(); ++m) columns_.push_back({b, basis.col(m)});
+  }
   std::vector<Eigen::Triplet<double>> triplets;
-  for (int s = 0; s < numSubdomains; ++s)
-    for (int i = 0; i < kModes; ++i)
-      for (int j = 0; j < kModes; ++j)
-        triplets.emplace_back(kModes * s + i, kModes * bodyOfAll[s] + j, blocks(i + kModes * j, s));
-  Z_.resize(kModes * numSubdomains, kModes * bodies);
+  for (int i = 0; i < G.dimension(); ++i)
+    for (std::size_t j = 0; j < columns_.size(); ++j)
+      if (columns_[j].body == sums.bodyOf[i]) triplets.emplace_back(i, int(j), columns_[j].motion.dot(sums.rows.col(i)));
+  Z_.resize(G.dimension(), Eigen::Index(columns_.size()));
   Z_.setFromTriplets(triplets.begin(), triplets.end());
 }
 
-std::string BodyMotions::describe(const Eigen::VectorXd& y) const {
-  int body = 0;
-  for (int b = 1; b < numBodies(); ++b)
-    if (y.segment<kModes>(kModes * b).norm() > (1 + 1e-9) * y.segment<kModes>(kModes * body).norm()) body = b;
-  const auto part = y.segment<kModes>(kModes * body);
-  return "body '" + names_[body] + "': " +
-         describeRigidMotion({part.head<3>(), part.tail<3>() / size_[body], centre_[body], size_[body]});
+std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible) const {
+  std::vector<Motion> motions(names_.size(), Motion::Zero());
+  for (std::size_t j = 0; j < columns_.size(); ++j) motions[std::size_t(columns_[j].body)] += y[Eigen::Index(j)] * columns_[j].motion;
+  for (Motion& m : motions)
+    if (m.tail<3>().norm() < negligible * m.head<3>().norm()) m.tail<3>().setZero();
+  std::size_t body = 0;
+  for (std::size_t b = 1; b < motions.size(); ++b)
+    if (motions[b].norm() > (1 + 1e-9) * motions[body].norm()) body = b;
+  const Motion& m = motions[body];
+  return "body '" + names_[body] + "': " + describeRigidMotion({m.head<3>(), m.tail<3>() / size_[body], centre_[body], size_[body]});
 }
 
-Eigen::SparseVector<double> BodyMotions::hold(int body, int motion) const {
+Eigen::SparseVector<double> BodyMotions::hold(int motion) const {
   Eigen::SparseVector<double> w(Z_.rows());
-  const int first = kModes * firstSubdomain_[body];
-  for (Eigen::SparseMatrix<double>::InnerIterator it(Z_, kModes * body + motion); it; ++it)
-    if (it.row() >= first && it.row() < first + kModes) w.insert(it.row()) = it.value();
+  const auto [begin, end] = first_[std::size_t(columns_[std::size_t(motion)].body)];
+  for (Eigen::SparseMatrix<double>::InnerIterator it(Z_, motion); it; ++it)
+    if (it.row() >= begin && it.row() < end) w.insert(it.row()) = it.value();
   return w / w.norm();
 }
 
@@ -144,7 +200,7 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
 
 CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bodies) {
   CoarseProblem::Holds holds;
-  for (int pivot : unheld.pivots) holds.push_back(bodies.hold(pivot / kModes, pivot % kModes));
+  for (int pivot : unheld.pivots) holds.push_back(bodies.hold(pivot));
   return holds;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -11,39 +12,53 @@
 
 namespace Haptos {
 
-/// \brief The six rigid motions of every body, in the coordinates of the subdomains' rigid motions.
+/// \brief The rigid motions of every body, in the coordinates of the subdomains' kernels.
 ///
-/// Column 6 b + m of Z is motion m of body b (three translations, three rotations about the body's centre, the
-/// rotations divided by the body's size, so that all are lengths); G^T Z has no gluing rows.
+/// A column of Z is a motion of one body that costs no energy in any of its subdomains: for elastic ones the three
+/// translations, then the three rotations about the body's centre, divided by the body's size, so that all are lengths.  Where
+/// kernels lack some of the six, a basis of those that are left.  G^T Z has no gluing rows.
 class BodyMotions {
  public:
-  /// \param names [bodies].  Collective.
-  BodyMotions(const Communicator& comm, const std::vector<Subdomain>& subdomains, const LocalSystems& systems,
-              int numSubdomains, std::vector<std::string> names);
+  using Motion = Eigen::Matrix<double, 6, 1>;  ///< coefficients of the six
 
-  const Eigen::SparseMatrix<double>& Z() const { return Z_; }  ///< [l x 6 bodies], the same on all ranks
+  /// \param bodies [local subdomains], \param names [bodies].  Collective.
+  BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies, std::vector<std::string> names);
+
+  const Eigen::SparseMatrix<double>& Z() const { return Z_; }  ///< [l x motions], the same on all ranks
   int numBodies() const { return int(names_.size()); }
 
-  /// \brief "body 'upper': translation along (1, 0, 0)" for the body that moves most in y [6 bodies].
-  std::string describe(const Eigen::VectorXd& y) const;
+  /// \brief "body 'upper': translation along (1, 0, 0)" for the body that moves most in y [motions].
+  /// \param negligible rotations that move no node by this part of the translation are not named
+  std::string describe(const Eigen::VectorXd& y, double negligible = 0) const;
 
-  /// \brief One coarse vector that acts on motion m of body b in the body's first subdomain alone.
-  Eigen::SparseVector<double> hold(int body, int motion) const;
+  /// \brief One coarse vector that acts on a motion, a column of Z, in its body's first subdomain alone.
+  Eigen::SparseVector<double> hold(int motion) const;
 
  private:
+  struct Sums;
+  Sums sumUp(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies) const;
+  void findFirst(const NaturalCoarseSpace& G, const std::vector<int>& bodies);
+  void findBodies(const Communicator& comm, const LocalSystems& systems, const std::vector<int>& bodies);
+  Eigen::Matrix<double, 3, 6> motionAt(int body, const std::array<double, 3>& x) const;
+
+  struct Column {
+    int body;
+    Motion motion;
+  };
   std::vector<std::string> names_;
   std::vector<Eigen::Vector3d> centre_;
   std::vector<double> size_;
-  std::vector<int> firstSubdomain_;
+  std::vector<std::array<int, 2>> first_;  // [bodies] coarse unknowns of the first subdomain: begin, end
+  std::vector<Column> columns_;            // of Z
   Eigen::SparseMatrix<double> Z_;
 };
 
-/// \brief Motions that none of some rows of G^T feels: a basis Y [6 bodies x k] of { y : G^T Z y = 0 }.
+/// \brief Motions that none of some rows of G^T feels: a basis Y [motions x k] of { y : G^T Z y = 0 }.
 ///
-/// Column i has a 1 at its pivot (body, motion) and 0 at the pivots of the others.
+/// Column i has a 1 at its pivot and 0 at the pivots of the others.
 struct UnheldMotions {
   Eigen::MatrixXd basis;
-  std::vector<int> pivots;  ///< [k] 6 body + motion
+  std::vector<int> pivots;  ///< [k] columns of Z
 };
 
 /// \param rows G^T on this rank's rows, \param Z [l x motions], see `BodyMotions`

@@ -6,10 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "Haptos_RigidBodyModes.hpp"
-#include "Haptos_StiffnessAssembler.hpp"
-#include "Haptos_SubdomainSurface.hpp"
-
 namespace Haptos {
 namespace {
 
@@ -45,31 +41,6 @@ LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
           2 * kFactor * std::pow(n / kFactorSize, 1.8) + kApplications * sparseApply, dense.bytes};
 }
 
-std::vector<std::size_t> sizesOf(const Subdomain& sub) {
-  std::vector<std::size_t> sizes{sub.coordinates.size()};
-  for (const auto& group : sub.groups) sizes.push_back(group.connectivity.size());
-  return sizes;
-}
-
-// Same elements, same materials, nodes moved by one vector: K is the same to round-off.  The bound leaves K within
-// kCongruenceTolerance while an edge is not below 1/50 of the subdomain.
-bool isTranslatedCopy(const Subdomain& a, const Subdomain& b) {
-  constexpr double kSamePlace = 0.02 * kCongruenceTolerance;  // of the subdomain's extent
-  if (a.groups.size() != b.groups.size() || a.coordinates.size() != b.coordinates.size()) return false;
-  for (std::size_t g = 0; g < a.groups.size(); ++g)
-    if (a.groups[g].topology != b.groups[g].topology || a.groups[g].material != b.groups[g].material ||
-        a.groups[g].connectivity != b.groups[g].connectivity)
-      return false;
-  double extent = 0, difference = 0;
-  for (std::size_t i = 1; i < a.coordinates.size(); ++i)
-    for (std::size_t d = 0; d < 3; ++d) {
-      const double x = a.coordinates[i][d] - a.coordinates[0][d], y = b.coordinates[i][d] - b.coordinates[0][d];
-      extent = std::max(extent, std::abs(x));
-      if (!(std::abs(x - y) <= difference)) difference = std::abs(x - y);  // keeps a NaN
-    }
-  return difference <= kSamePlace * extent;
-}
-
 void addComponents(const Eigen::SparseMatrix<double>& K, Eigen::MatrixX3d& sums) {
   for (Eigen::Index i = 0; i < K.cols(); ++i)  // K is symmetric: columns are rows
     for (Eigen::SparseMatrix<double>::InnerIterator it(K, i); it; ++it) sums(i, it.row() % 3) += std::abs(it.value());
@@ -82,36 +53,29 @@ bool congruent(const LocalSystem& a, const LocalSystem& b) {
   if (!samePattern(a.K, b.K)) return false;
   const Eigen::Map<const Eigen::VectorXd> va(a.K.valuePtr(), a.K.nonZeros()), vb(b.K.valuePtr(), b.K.nonZeros());
   if ((va - vb).lpNorm<Eigen::Infinity>() > kCongruenceTolerance * va.lpNorm<Eigen::Infinity>()) return false;
-  return (a.R() - b.R()).lpNorm<Eigen::Infinity>() <= kCongruenceTolerance * 10;
+  return a.R().cols() == b.R().cols() && (a.R() - b.R()).lpNorm<Eigen::Infinity>() <= kCongruenceTolerance * 10;
 }
 
 }  // namespace
 
-void LocalSystems::assemble(const std::vector<Subdomain>& subdomains, const std::vector<IsotropicMaterial>& materials,
-                            Formulation formulation) {
+void LocalSystems::assemble() {
+  const int count = source_->size();
   systems_.clear();
-  systems_.resize(subdomains.size());
-  copyOf_.assign(subdomains.size(), -1);
-  std::map<std::vector<std::size_t>, std::vector<int>> bySize;  // cheap hash: nodes, elements of the groups
-  for (std::size_t i = 0; i < subdomains.size(); ++i) {
-    auto& candidates = bySize[sizesOf(subdomains[i])];
-    for (int c : candidates)
-      if (isTranslatedCopy(subdomains[c], subdomains[i])) {
-        copyOf_[i] = c;
-        break;
-      }
+  systems_.resize(std::size_t(count));
+  copyOf_.assign(std::size_t(count), -1);
+  for (int i = 0; i < count; ++i) {
+    copyOf_[i] = source_->copyOf(i);
     if (copyOf_[i] >= 0) {
       systems_[i].kernel = systems_[copyOf_[i]].kernel;
       continue;
     }
-    candidates.push_back(int(i));
-    systems_[i].magnitude.setZero(3 * Eigen::Index(subdomains[i].coordinates.size()), 3);
-    systems_[i].kernel = std::make_shared<const Eigen::MatrixXd>(rigidBodyModes(subdomains[i].coordinates, {}));
+    systems_[i].magnitude.setZero(3 * Eigen::Index(source_->coordinates(i).size()), 3);
+    systems_[i].kernel = std::make_shared<const Eigen::MatrixXd>(source_->kernel(i));
   }
   // Nothing that stays lies between the stiffnesses: those let go leave room for factors, which are larger (decisions/019).
-  for (std::size_t i = 0; i < subdomains.size(); ++i) {
+  for (int i = 0; i < count; ++i) {
     if (copyOf_[i] >= 0) continue;
-    auto K = assembleStiffness(subdomains[i].coordinates, subdomains[i].groups, materials, formulation);
+    auto K = source_->assemble(i);
     systems_[i].K.swap(K);  // an assignment would copy
     addComponents(systems_[i].K, systems_[i].magnitude);
   }
@@ -147,16 +111,16 @@ void LocalSystems::findClasses() {
   }
 }
 
-void LocalSystems::factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method) {
+void LocalSystems::factor(LocalSolverMethod method) {
   findClasses();
   solvers_.clear();
   condensed_.clear();
   for (int i : representative_)
-    solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, subdomains[i].coordinates, method));
+    solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method));
 }
 
-void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method,
-                          LocalDual dual, double mayUse, const std::function<void(int)>& lastUse) {
+void LocalSystems::factor(const JumpOperator& jump, LocalSolverMethod method, LocalDual dual, double mayUse,
+                          const std::function<void(int)>& lastUse) {
   findClasses();
   solvers_.clear();
   solvers_.resize(representative_.size());
@@ -166,14 +130,14 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
   for (int c = 0; c < numClasses(); ++c) {
     const int i = representative_[c];
     if (dual != LocalDual::Implicit) {
-      const auto boundary = boundaryOf(c, subdomains, jump);
+      const auto boundary = boundaryOf(c, jump);
       const auto prediction = predictLocalCost(double(systems_[i].K.rows()), double(boundary.size()), members_[c].size());
       const bool wanted = dual == LocalDual::Explicit ||
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
       if (wanted) makeCondensation(c, boundary, DenseSurfaceMatrices::Scope::Both);
     }
     if (!condensed_[c]) {
-      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, subdomains[i].coordinates, method);
+      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method);
       solvers_[c]->releaseMatrix();
     }
     if (!lastUse) continue;
@@ -184,7 +148,7 @@ void LocalSystems::factor(const std::vector<Subdomain>& subdomains, const JumpOp
 
 void LocalSystems::releaseStiffness(int c) { letGo(systems_[representative_[c]].K); }
 
-void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains) {
+void LocalSystems::condenseLike(const LocalSystems& pattern) {
   findClasses();
   condensed_.clear();
   condensed_.resize(representative_.size());
@@ -194,8 +158,8 @@ void LocalSystems::condenseLike(const LocalSystems& pattern, const std::vector<S
   }
 }
 
-std::vector<int> LocalSystems::boundaryOf(int c, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const {
-  std::vector<int> dofs = surfaceDofs(subdomains[representative_[c]]);
+std::vector<int> LocalSystems::boundaryOf(int c, const JumpOperator& jump) const {
+  std::vector<int> dofs = source_->surface(representative_[c]);
   std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
   for (int dof : dofs) on[dof] = 1;
   const std::size_t before = dofs.size();

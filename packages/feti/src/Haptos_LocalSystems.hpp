@@ -7,11 +7,10 @@
 #include <vector>
 
 #include "Haptos_JumpOperator.hpp"
-#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_DenseSurfaceMatrices.hpp"
 #include "Haptos_LocalSolver.hpp"
 #include "Haptos_Options.hpp"
-#include "Haptos_Subdomain.hpp"
+#include "Haptos_SubdomainStiffness.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -23,7 +22,7 @@ struct LocalSystem {
   Eigen::MatrixX3d magnitude;  ///< see LocalSystems::magnitude
   int congruenceClass = 0;        ///< local to the rank; members share K, R and the factor
 
-  const Eigen::MatrixXd& R() const { return *kernel; }  ///< [n x 6], orthonormal columns, K R = 0
+  const Eigen::MatrixXd& R() const { return *kernel; }  ///< [n x k], orthonormal columns, K R = 0
 };
 
 /// \brief Stiffnesses, kernels and factors of this rank's subdomains.
@@ -32,12 +31,10 @@ struct LocalSystem {
 /// factor and are solved together, many right-hand sides at once.  Nothing here communicates.
 class LocalSystems {
  public:
-  LocalSystems() = default;
+  explicit LocalSystems(std::shared_ptr<const SubdomainStiffness> source) : source_(std::move(source)) {}
 
-  /// \brief Assembles K and R of every subdomain, once for those that are translated copies node by node.
-  /// \throws InputError on an inverted element.
-  void assemble(const std::vector<Subdomain>& subdomains, const std::vector<IsotropicMaterial>& materials,
-                Formulation formulation);
+  /// \brief Gets K and R of every subdomain, once for those that are copies.  \throws what the source throws.
+  void assemble();
 
   /// \brief Finds congruent subdomains; part of `factor`, enough where only K is wanted.
   void findClasses();
@@ -47,20 +44,21 @@ class LocalSystems {
   /// \param jump rows of B, whose unknowns a condensed subdomain keeps beside its surface
   /// \param mayUse bytes that dense matrices may take on this rank, as far as `dual` leaves the choice
   /// \param lastUse if given, called for every class, and K of it is let go after it: half of the memory
-  void factor(const std::vector<Subdomain>& subdomains, const JumpOperator& jump, LocalSolverMethod method, LocalDual dual,
-              double mayUse = 4e9, const std::function<void(int congruenceClass)>& lastUse = {});
+  void factor(const JumpOperator& jump, LocalSolverMethod method, LocalDual dual, double mayUse = 4e9,
+              const std::function<void(int congruenceClass)>& lastUse = {});
 
   /// \brief Factors every class by `method`, without dense matrices.
-  void factor(const std::vector<Subdomain>& subdomains, LocalSolverMethod method);
+  void factor(LocalSolverMethod method);
 
   /// \brief Finds congruent subdomains and forms S alone, where `pattern`, factored, has dense matrices.
-  void condenseLike(const LocalSystems& pattern, const std::vector<Subdomain>& subdomains);
+  void condenseLike(const LocalSystems& pattern);
 
+  const SubdomainStiffness& source() const { return *source_; }
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
   /// \brief Unknowns of a class's surface, and of the nodes that a row of B touches in one of its members; ascending.
-  std::vector<int> boundaryOf(int congruenceClass, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) const;
+  std::vector<int> boundaryOf(int congruenceClass, const JumpOperator& jump) const;
 
   /// \brief K of a class, as long as it is kept.
   const Eigen::SparseMatrix<double>& stiffness(int congruenceClass) const { return systems_[representative_[congruenceClass]].K; }
@@ -87,6 +85,7 @@ class LocalSystems {
   long localSolves() const { return localSolves_; }
 
  private:
+  std::shared_ptr<const SubdomainStiffness> source_;
   std::vector<LocalSystem> systems_;
   std::vector<int> copyOf_;                 // [subdomains] an earlier one with the same K, which this one then lacks; or -1
   std::vector<int> representative_;         // [classes] local subdomain

@@ -6,7 +6,6 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
-#include <array>
 
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Exchange.hpp"
@@ -15,28 +14,31 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = 6;
-
-using Values = std::array<double, kModes>;
-
-// One row of G^T restricted to one subdomain, for the rank that owns the row.
+// A row of G^T restricted to one subdomain.
 struct Piece {
   GlobalOrdinal row;
-  int subdomain;
-  Values values;
+  int column, count;  // the subdomain's coarse unknowns
 };
 
-// visit(row of the overlap map, subdomain, values) for B R of this rank's subdomains; entries come sorted by subdomain and row.
+// Pieces for another rank, or from one, and their values one behind the other.
+struct Pieces {
+  std::vector<Piece> list;
+  std::vector<double> values;
+};
+
+// visit(row of the overlap map, column, values) for B R of this rank's subdomains; entries come sorted by subdomain and row.
 template <class Visit>
-void forEachPiece(const MultiplierMap& multipliers, const LocalSystems& systems, int firstSubdomain, Visit&& visit) {
+void forEachPiece(const MultiplierMap& multipliers, const LocalSystems& systems, const std::vector<int>& columns, int firstSubdomain,
+                  Visit&& visit) {
   const auto& entries = multipliers.overlapEntries();
+  std::vector<double> values;
   for (std::size_t k = 0; k < entries.size();) {
     const int row = entries[k].row, subdomain = entries[k].subdomain;
     const Eigen::MatrixXd& R = systems[subdomain - firstSubdomain].R();
-    Values values{};
+    values.assign(std::size_t(R.cols()), 0.0);
     for (; k < entries.size() && entries[k].row == row && entries[k].subdomain == subdomain; ++k)
-      for (int m = 0; m < kModes; ++m) values[m] += entries[k].value * R(entries[k].dof, m);
-    visit(row, subdomain, values);
+      for (std::size_t m = 0; m < values.size(); ++m) values[m] += entries[k].value * R(entries[k].dof, Eigen::Index(m));
+    visit(row, columns[std::size_t(subdomain - firstSubdomain)], values);
   }
 }
 
@@ -55,73 +57,101 @@ class RowBuilder {
  public:
   explicit RowBuilder(std::size_t rows) : next_(rows + 1, 0) {}
 
-  void announce(int row) { ++next_[std::size_t(row) + 1]; }
+  void announce(int row, int count) { next_[std::size_t(row) + 1] += count; }
   void allocate(CoarseRows& GT) {
     GT_ = &GT;
     for (std::size_t i = 1; i < next_.size(); ++i) next_[i] += next_[i - 1];
-    GT.resizeNonZeros(Eigen::Index(kModes) * next_.back());
-    for (std::size_t i = 0; i < next_.size(); ++i) GT.outerIndexPtr()[i] = kModes * next_[i];
+    GT.resizeNonZeros(next_.back());
+    std::copy(next_.begin(), next_.end(), GT.outerIndexPtr());
   }
-  // Pieces of a row lie in ascending order of subdomains.
-  void add(int row, int subdomain, const Values& values) {
-    int at = kModes * next_[std::size_t(row)]++;
-    for (; at > GT_->outerIndexPtr()[row] && GT_->innerIndexPtr()[at - kModes] > kModes * subdomain; at -= kModes) {
-      std::copy_n(GT_->innerIndexPtr() + at - kModes, kModes, GT_->innerIndexPtr() + at);
-      std::copy_n(GT_->valuePtr() + at - kModes, kModes, GT_->valuePtr() + at);
-    }
-    for (int m = 0; m < kModes; ++m) {
-      GT_->innerIndexPtr()[at + m] = kModes * subdomain + m;
-      GT_->valuePtr()[at + m] = values[m];
-    }
+  // Pieces of a row lie in ascending order of columns.
+  void add(int row, int column, int count, const double* values) {
+    int at = next_[std::size_t(row)];
+    next_[std::size_t(row)] += count;
+    int *inner = GT_->innerIndexPtr(), *begin = inner + GT_->outerIndexPtr()[row];
+    const int* place = inner + at;
+    while (place > begin && place[-1] > column) --place;
+    const auto moved = inner + at - place;
+    std::copy_backward(inner + at - moved, inner + at, inner + at + count);
+    std::copy_backward(GT_->valuePtr() + at - moved, GT_->valuePtr() + at, GT_->valuePtr() + at + count);
+    at -= int(moved);
+    for (int m = 0; m < count; ++m) inner[at + m] = column + m;
+    std::copy_n(values, count, GT_->valuePtr() + at);
   }
 
  private:
   CoarseRows* GT_ = nullptr;
-  std::vector<int> next_;  // [rows + 1] pieces before a row, later before the next piece of it
+  std::vector<int> next_;  // [rows + 1] entries before a row, later before its next piece
 };
 
-std::vector<Piece> exchangePieces(const Communicator& comm, const std::vector<std::vector<Piece>>& outgoing) {
+Pieces exchangePieces(const Communicator& comm, const std::vector<Pieces>& outgoing) {
   std::vector<Bytes> messages;
   for (const auto& part : outgoing) {
     ByteWriter writer;
-    writer.write(part);
+    writer.write(part.list);
+    writer.write(part.values);
     messages.push_back(writer.take());
   }
-  std::vector<Piece> result;
+  Pieces result;
   for (const auto& message : exchangeAll(comm, messages)) {
-    const auto part = ByteReader(message).readVector<Piece>();
-    result.insert(result.end(), part.begin(), part.end());
+    ByteReader reader(message);
+    const auto list = reader.readVector<Piece>();
+    const auto values = reader.readVector<double>();
+    result.list.insert(result.list.end(), list.begin(), list.end());
+    result.values.insert(result.values.end(), values.begin(), values.end());
   }
   return result;
 }
 
+// First coarse unknown of every subdomain of this rank, and the end; kernels are numbered subdomain after subdomain.  Collective.
+std::vector<int> numberKernels(const Communicator& comm, const LocalSystems& systems, int& total) {
+  int mine = 0, end = 0;
+  for (int i = 0; i < systems.size(); ++i) mine += int(systems[i].R().cols());
+  Teuchos::scan(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(total));
+  std::vector<int> columns{end - mine};
+  for (int i = 0; i < systems.size(); ++i) columns.push_back(columns.back() + int(systems[i].R().cols()));
+  return columns;
+}
+
 }  // namespace
 
-NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const LocalSystems& systems, int numSubdomains)
-    : jump_(std::move(jump)) {
-  const auto& multipliers = jump_->multipliers();
+NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const LocalSystems& systems) : jump_(std::move(jump)) {
+  const MultiplierMap& multipliers = jump_->multipliers();
   const auto& map = *multipliers.map();
   const auto& overlap = *multipliers.overlapMap();
   const auto& comm = *map.getComm();
-  coarseMap_ = Teuchos::rcp(new Map(kModes * std::size_t(numSubdomains), 0, map.getComm(), Tpetra::LocallyReplicated));
+  int l = 0;
+  columns_ = numberKernels(comm, systems, l);
+  coarseMap_ = Teuchos::rcp(new Map(std::size_t(l), 0, map.getComm(), Tpetra::LocallyReplicated));
   const auto owners = ownersOf(multipliers);
   const auto ownRow = [&](int row) { return map.getLocalElement(overlap.getGlobalElement(row)); };
-  const auto forEach = [&](auto&& visit) { forEachPiece(multipliers, systems, jump_->firstSubdomain(), visit); };
+  const auto forEach = [&](auto&& visit) { forEachPiece(multipliers, systems, columns_, jump_->firstSubdomain(), visit); };
 
   RowBuilder builder(localNumElements(map));
-  std::vector<std::vector<Piece>> outgoing(std::size_t(comm.getSize()));
-  forEach([&](int row, int subdomain, const Values& values) {
-    if (owners[std::size_t(row)] == comm.getRank()) builder.announce(ownRow(row));
-    else outgoing[std::size_t(owners[std::size_t(row)])].push_back({overlap.getGlobalElement(row), subdomain, values});
+  std::vector<Pieces> outgoing(std::size_t(comm.getSize()));
+  forEach([&](int row, int column, const std::vector<double>& values) {
+    const int owner = owners[std::size_t(row)], count = int(values.size());
+    if (owner == comm.getRank()) {
+      builder.announce(ownRow(row), count);
+      return;
+    }
+    Pieces& part = outgoing[std::size_t(owner)];
+    part.list.push_back({overlap.getGlobalElement(row), column, count});
+    part.values.insert(part.values.end(), values.begin(), values.end());
   });
-  const auto received = exchangePieces(comm, outgoing);
-  for (const auto& piece : received) builder.announce(map.getLocalElement(piece.row));
-  GT_.resize(Eigen::Index(localNumElements(map)), kModes * Eigen::Index(numSubdomains));
+  const Pieces received = exchangePieces(comm, outgoing);
+  for (const auto& piece : received.list) builder.announce(map.getLocalElement(piece.row), piece.count);
+  GT_.resize(Eigen::Index(localNumElements(map)), l);
   builder.allocate(GT_);
-  forEach([&](int row, int subdomain, const Values& values) {
-    if (owners[std::size_t(row)] == comm.getRank()) builder.add(ownRow(row), subdomain, values);
+  forEach([&](int row, int column, const std::vector<double>& values) {
+    if (owners[std::size_t(row)] == comm.getRank()) builder.add(ownRow(row), column, int(values.size()), values.data());
   });
-  for (const auto& piece : received) builder.add(map.getLocalElement(piece.row), piece.subdomain, piece.values);
+  const double* values = received.values.data();
+  for (const auto& piece : received.list) {
+    builder.add(map.getLocalElement(piece.row), piece.column, piece.count, values);
+    values += piece.count;
+  }
 }
 
 Eigen::MatrixXd NaturalCoarseSpace::partOfG(const MultiVector& x) const {
@@ -174,7 +204,7 @@ Eigen::VectorXd NaturalCoarseSpace::restrictLoad(const MultiVector& f, const Loc
   const auto data = f.getData(0);
   const auto& offsets = jump_->primalOffsets();
   for (int i = 0; i < systems.size(); ++i)
-    mine.segment(kModes * (jump_->firstSubdomain() + i), kModes).noalias() =
+    mine.segment(columns_[std::size_t(i)], systems[i].R().cols()).noalias() =
         systems[i].R().transpose() * Eigen::Map<const Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R().rows());
   Teuchos::reduceAll(*coarseMap_->getComm(), Teuchos::REDUCE_SUM, dimension(), mine.data(), sum.data());
   return sum;
@@ -185,7 +215,7 @@ void NaturalCoarseSpace::addRigidMotion(const Eigen::VectorXd& a, const LocalSys
   const auto& offsets = jump_->primalOffsets();
   for (int i = 0; i < systems.size(); ++i)
     Eigen::Map<Eigen::VectorXd>(data.getRawPtr() + offsets[i], systems[i].R().rows()).noalias() +=
-        systems[i].R() * a.segment(kModes * (jump_->firstSubdomain() + i), kModes);
+        systems[i].R() * a.segment(columns_[std::size_t(i)], systems[i].R().cols());
 }
 
 }  // namespace Haptos

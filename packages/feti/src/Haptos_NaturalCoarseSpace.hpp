@@ -2,6 +2,7 @@
 #pragma once
 #include <Tpetra_Operator.hpp>
 #include <memory>
+#include <vector>
 
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_JumpOperator.hpp"
@@ -9,14 +10,16 @@
 
 namespace Haptos {
 
-/// \brief G = R^T B^T, from the dual map to the l = 6 s rigid motions of all subdomains, and e = R^T f.
+/// \brief G = R^T B^T, from the dual map to the kernels of all subdomains, and e = R^T f.
 ///
+/// Subdomain s has columns columnOf(s) .. columnOf(s + 1) - 1, one for each of its motions without energy, mostly six;
+/// subdomains ascend, l is the number of all.
 /// The coarse map is locally replicated.  apply(x, y): y = G x, one reduction of l numbers, Collective;
 /// apply(x, y, TRANS): y = G^T x, without communication.
 class NaturalCoarseSpace final : public Operator {
  public:
-  /// \param numSubdomains over all ranks.  Collective.
-  NaturalCoarseSpace(RCP<const JumpOperator> jump, const LocalSystems& systems, int numSubdomains);
+  /// Collective.
+  NaturalCoarseSpace(RCP<const JumpOperator> jump, const LocalSystems& systems);
 
   RCP<const Map> getDomainMap() const override { return jump_->getRangeMap(); }
   RCP<const Map> getRangeMap() const override { return coarseMap_; }
@@ -37,11 +40,13 @@ class NaturalCoarseSpace final : public Operator {
   void addRigidMotion(const Eigen::VectorXd& a, const LocalSystems& systems, MultiVector& u) const;
 
   const CoarseRows& rows() const { return GT_; }  ///< G^T on the owned rows
-  int dimension() const { return int(GT_.cols()); }
+  int dimension() const { return int(GT_.cols()); }  ///< l
+  int columnOf(int localSubdomain) const { return columns_[std::size_t(localSubdomain)]; }  ///< first coarse unknown
 
  private:
   RCP<const JumpOperator> jump_;
   RCP<const Map> coarseMap_;
+  std::vector<int> columns_;  // [local subdomains + 1]
   CoarseRows GT_;
 };
 

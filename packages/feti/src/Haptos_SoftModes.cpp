@@ -8,15 +8,15 @@
 namespace Haptos {
 
 // By the eigenvalues of sum d d^T, d from the mean: squares of the extents along the principal axes.
-bool isSlender(const Subdomain& subdomain) {
+bool isSlender(const Coordinates& coordinates) {
   constexpr double kRatio = 10;    // extents; ordinary meshes are to pay nothing (decisions/016)
-  constexpr int kLargest = 400;    // nodes
-  if (subdomain.numNodes() > kLargest) return false;
+  constexpr std::size_t kLargest = 400;    // nodes
+  if (coordinates.size() > kLargest) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& x : subdomain.coordinates) mean += Eigen::Vector3d(x.data());
-  mean /= double(subdomain.numNodes());
+  for (const auto& x : coordinates) mean += Eigen::Vector3d(x.data());
+  mean /= double(coordinates.size());
   Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const auto& x : subdomain.coordinates) {
+  for (const auto& x : coordinates) {
     const Eigen::Vector3d d = Eigen::Vector3d(x.data()) - mean;
     spread += d * d.transpose();
   }

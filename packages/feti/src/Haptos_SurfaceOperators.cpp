@@ -18,19 +18,19 @@ Eigen::VectorXd estimateDiagonal(const Eigen::SparseMatrix<double>& K, const std
 SurfaceOperators::SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble)
     : kind_(kind), method_(method), inDouble_(std::move(inDouble)) {}
 
-SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, const JumpOperator& jump,
-                                   PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble)
+SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const JumpOperator& jump, PreconditionerKind kind,
+                                   LocalSolverMethod method, std::vector<char> inDouble)
     : SurfaceOperators(kind, method, std::move(inDouble)) {
-  while (numClasses() < systems.numClasses()) add(systems, subdomains, jump);
+  while (numClasses() < systems.numClasses()) add(systems, jump);
 }
 
-void SurfaceOperators::add(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, const JumpOperator& jump) {
+void SurfaceOperators::add(const LocalSystems& systems, const JumpOperator& jump) {
   const int c = numClasses(), first = systems.members()[c].front();
   const auto& K = systems.stiffness(c);
   const bool exact = std::size_t(first) < inDouble_.size() && inDouble_[std::size_t(first)];
   const auto* dense = kind_ == PreconditionerKind::Dirichlet ? systems.condensationOf(c) : nullptr;
   Class made;
-  made.boundary = dense ? dense->boundary() : systems.boundaryOf(c, subdomains, jump);
+  made.boundary = dense ? dense->boundary() : systems.boundaryOf(c, jump);
   made.diagonal = estimateDiagonal(K, made.boundary, kind_);
   if (!exact) made.condensed = dense;
   made.isDouble = exact;

@@ -18,13 +18,13 @@ class SurfaceOperators {
   SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble = {});
 
   /// \brief Those of all classes at once.
-  SurfaceOperators(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, const JumpOperator& jump, PreconditionerKind kind,
-                   LocalSolverMethod method, std::vector<char> inDouble = {});
+  SurfaceOperators(const LocalSystems& systems, const JumpOperator& jump, PreconditionerKind kind, LocalSolverMethod method,
+                   std::vector<char> inDouble = {});
 
   /// \brief The next class, whose K must be there; its dense matrices, if it has some, must outlive this object.
   ///
   /// \param jump rows of B: nodes inside that it touches, as prescribed ones, count as surface
-  void add(const LocalSystems& systems, const std::vector<Subdomain>& subdomains, const JumpOperator& jump);
+  void add(const LocalSystems& systems, const JumpOperator& jump);
 
   int numClasses() const { return int(classes_.size()); }
   const std::vector<int>& boundary(int congruenceClass) const { return classes_[congruenceClass].boundary; }  ///< local dofs

@@ -22,7 +22,7 @@ struct Unheld {
   explicit Unheld(const SceneOptions& options)
       : scene(makeScene(options)),
         feti(makeFeti(Tpetra::getDefaultComm(), scene)),
-        bodies(*feti.comm, feti.dealt.mine, *feti.systems, scene.partition.count, scene.bodies.names),
+        bodies(bodyMotions(feti, scene)),
         motions(findUnheldMotions(*feti.comm, feti.G->rows(), bodies.Z(), std::vector<char>(std::size_t(feti.G->rows().rows()), 1))) {}
 
   // The load f = force (a function of the body and the place) on every copy.

@@ -28,11 +28,11 @@ struct Setup {
     options.height = height;
     scene = makeScene(options);
     feti = makeFeti(Tpetra::getDefaultComm(), scene);
-    for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub));
+    for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub.coordinates));
     const std::vector<char> all(slender.size(), 1);
     M = Teuchos::rcp(new DualPreconditioner(
         feti.dealt.jump, feti.systems,
-        SurfaceOperators(*feti.systems, feti.dealt.mine, *feti.dealt.jump, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
+        SurfaceOperators(*feti.systems, *feti.dealt.jump, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
     deflated = DeflatedPreconditioner::make(M, slender);
   }
 

@@ -27,9 +27,9 @@ Scene brickScene(int k, int p) {
 
 int numClasses(Scene& scene) {
   scene.subdomains = extractSubdomains(scene.mesh, scene.partition, {0, 1});
-  LocalSystems systems;
-  systems.assemble(scene.subdomains, scene.materials, Formulation::Standard);
-  systems.factor(scene.subdomains, LocalSolverMethod::Automatic);
+  LocalSystems systems(stiffnessOf(scene.subdomains, scene));
+  systems.assemble();
+  systems.factor(LocalSolverMethod::Automatic);
   return systems.numClasses();
 }
 
@@ -96,9 +96,9 @@ TEUCHOS_UNIT_TEST(LocalSystems, JaggedPartsAreAllDifferent) {
 TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
   Scene scene = brickScene(1, 2);
   TEST_EQUALITY(numClasses(scene), 2);
-  LocalSystems systems;
-  systems.assemble(scene.subdomains, scene.materials, Formulation::Standard);
-  systems.factor(scene.subdomains, LocalSolverMethod::Automatic);
+  LocalSystems systems(stiffnessOf(scene.subdomains, scene));
+  systems.assemble();
+  systems.factor(LocalSolverMethod::Automatic);
   TEST_EQUALITY(systems.numCondensed(), 0);
   std::vector<std::size_t> offsets{0};
   for (const auto& sub : scene.subdomains) offsets.push_back(offsets.back() + sub.numDofs());
@@ -124,7 +124,7 @@ TEUCHOS_UNIT_TEST(DenseSurfaceMatrices, EqualsDensePseudoInverse) {
   const auto K = denseStiffness(scene);
   int withInterior = 0;
   for (std::size_t s = 0; s < scene.subdomains.size(); ++s) {
-    const auto boundary = surfaceDofs(scene.subdomains[s]);
+    const auto boundary = surfaceDofs(scene.subdomains[s].groups, scene.subdomains[s].numNodes());
     if (Eigen::Index(boundary.size()) < K[s].rows()) ++withInterior;
     const Eigen::SparseMatrix<double> sparse = K[s].sparseView();
     const Dense R = rigidBodyModes(scene.subdomains[s].coordinates, {}), reference = densePseudoInverse(K[s]), f = someColumns(K[s].rows(), 3);
@@ -149,7 +149,7 @@ TEUCHOS_UNIT_TEST(DenseSurfaceMatrices, RefusesAnIncompleteKernel) {
   const Scene scene = makeScene(heldScene(3));
   const Eigen::SparseMatrix<double> K = denseStiffness(scene)[0].sparseView();
   const Dense R = rigidBodyModes(scene.subdomains[0].coordinates, {}), five = R.leftCols(5);
-  const auto boundary = surfaceDofs(scene.subdomains[0]);
+  const auto boundary = surfaceDofs(scene.subdomains[0].groups, scene.subdomains[0].numNodes());
   TEST_THROW(DenseSurfaceMatrices(K, five, boundary, 1), std::runtime_error);
   Dense wrong = R;
   wrong.col(2).setOnes();

@@ -34,7 +34,7 @@ Scene sceneHeldInside() {
 
 // Unknowns of the surface and of nodes that rows touch.
 std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
-  const auto surface = surfaceDofs(sub);
+  const auto surface = surfaceDofs(sub.groups, sub.numNodes());
   std::set<int> all(surface.begin(), surface.end());
   for (const auto& entry : scene.rows.entries)
     for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
@@ -89,7 +89,7 @@ constexpr double kSingle = 2e-6;  // what single precision leaves of an entry, i
 
 RCP<DualPreconditioner> make(const Feti& feti, PreconditionerKind kind) {
   return Teuchos::rcp(new DualPreconditioner(feti.dealt.jump, feti.systems,
-                                             SurfaceOperators(*feti.systems, feti.dealt.mine, *feti.dealt.jump, kind, LocalSolverMethod::Automatic)));
+                                             SurfaceOperators(*feti.systems, *feti.dealt.jump, kind, LocalSolverMethod::Automatic)));
 }
 
 }  // namespace
@@ -112,7 +112,7 @@ TEUCHOS_UNIT_TEST(DualPreconditioner, EqualsDenseFormula) {
 TEUCHOS_UNIT_TEST(DualPreconditioner, PrescribedNodesInside) {
   const Scene s = sceneHeldInside();
   std::size_t inside = 0;
-  for (const auto& sub : s.subdomains) inside += boundaryOf(s, sub).size() - surfaceDofs(sub).size();
+  for (const auto& sub : s.subdomains) inside += boundaryOf(s, sub).size() - surfaceDofs(sub.groups, sub.numNodes()).size();
   TEST_ASSERT(inside > 0);
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), s), dense = makeFeti(Tpetra::getDefaultComm(), s, LocalDual::Explicit);
   for (auto kind : {PreconditionerKind::Dirichlet, PreconditionerKind::Lumped}) {

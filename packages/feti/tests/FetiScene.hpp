@@ -2,8 +2,10 @@
 // The operators of a small decomposed scene, and the same as dense matrices made by other means.
 #pragma once
 #include "../../decomposition/tests/DecomposedScene.hpp"
+#include "Haptos_BodyMotions.hpp"
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_DualOperator.hpp"
+#include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_NaturalCoarseSpace.hpp"
 #include "Haptos_Projector.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
@@ -20,15 +22,29 @@ struct Feti {
   const RCP<const Map> map() const { return dealt.jump->getRangeMap(); }
 };
 
-inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene, LocalDual dual = LocalDual::Implicit) {
+/// \param subdomains must outlive what is returned
+inline std::shared_ptr<const SubdomainStiffness> stiffnessOf(const std::vector<Subdomain>& subdomains, const Scene& scene) {
+  return std::make_shared<ElasticStiffness>(subdomains, scene.materials, Formulation::Standard);
+}
+
+inline BodyMotions bodyMotions(const Feti& feti, const Scene& scene) {
+  std::vector<int> bodies;
+  for (const auto& sub : feti.dealt.mine) bodies.push_back(sub.body);
+  return {*feti.G, *feti.systems, bodies, scene.bodies.names};
+}
+
+using MakeStiffness = std::function<std::shared_ptr<const SubdomainStiffness>(const std::vector<Subdomain>&, const Scene&)>;
+
+inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene, LocalDual dual = LocalDual::Implicit,
+                     const MakeStiffness& makeStiffness = stiffnessOf) {
   Feti feti;
   feti.comm = comm;
   feti.dealt = deal(comm, scene);
-  feti.systems = Teuchos::rcp(new LocalSystems);
-  feti.systems->assemble(feti.dealt.mine, scene.materials, Formulation::Standard);
-  feti.systems->factor(feti.dealt.mine, *feti.dealt.jump, LocalSolverMethod::Automatic, dual);
+  feti.systems = Teuchos::rcp(new LocalSystems(makeStiffness(feti.dealt.mine, scene)));
+  feti.systems->assemble();
+  feti.systems->factor(*feti.dealt.jump, LocalSolverMethod::Automatic, dual);
   feti.F = Teuchos::rcp(new DualOperator(feti.dealt.jump, feti.systems));
-  feti.G = Teuchos::rcp(new NaturalCoarseSpace(feti.dealt.jump, *feti.systems, scene.partition.count));
+  feti.G = Teuchos::rcp(new NaturalCoarseSpace(feti.dealt.jump, *feti.systems));
   return feti;
 }
 

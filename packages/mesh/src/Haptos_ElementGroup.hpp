@@ -6,11 +6,9 @@
 #include <vector>
 
 #include "Haptos_Mesh.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
-
-/// \brief Node coordinates of one subdomain [numNodes], in the user's unit of length.
-using Coordinates = std::vector<std::array<double, 3>>;
 
 /// \brief Elements of one subdomain that share block, topology and material.
 ///

@@ -2,6 +2,7 @@
 #pragma once
 #include "Haptos_DualProblem.hpp"
 #include "Haptos_KktMeasure.hpp"
+#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_NodalGather.hpp"
 
 namespace Haptos {

@@ -9,6 +9,7 @@
 #include <set>
 #include <utility>
 
+#include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
 #include "Haptos_NodalLoads.hpp"
@@ -92,7 +93,8 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
 
 FetiSystem::FetiSystem(const DistributedModel& model) : model_(model), law_(makeContactLaw(*model.multipliers, model.data.friction)) {
   jump_ = Teuchos::rcp(new JumpOperator(model.multipliers, model.firstSubdomain, sizesOf(model.subdomains)));
-  systems_ = Teuchos::rcp(new LocalSystems);
+  systems_ = Teuchos::rcp(new LocalSystems(
+      std::make_shared<ElasticStiffness>(model.subdomains, model.data.materials, model.data.formulation)));
 }
 
 void FetiSystem::assembleLoads() {
@@ -113,11 +115,13 @@ void FetiSystem::assembleLoads() {
 void FetiSystem::assemble() {
   if (!model_.nodalForces.empty()) copies_ = countCopies(*model_.comm, model_.subdomains);
   runOnAllRanks(*model_.comm, [&] {
-    systems_->assemble(model_.subdomains, model_.data.materials, model_.data.formulation);
+    systems_->assemble();
     assembleLoads();
   });
-  G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_, model_.numSubdomains));
-  bodies_ = std::make_unique<BodyMotions>(*model_.comm, model_.subdomains, *systems_, model_.numSubdomains, model_.data.bodyNames);
+  G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_));
+  std::vector<int> bodies;
+  for (const auto& sub : model_.subdomains) bodies.push_back(sub.body);
+  bodies_ = std::make_unique<BodyMotions>(*G_, *systems_, bodies, model_.data.bodyNames);
   const Eigen::VectorXd e = G_->restrictLoad(*f_, *systems_);
   const double loadScale = f_->norm2();
   holds_ = holdUnheldMotions(motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing; }), *bodies_, e, loadScale);
@@ -139,8 +143,8 @@ void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), method);
   const double mayUse = 0.5 * physicalMemoryBytes() / double(model_.comm->getSize());  // as if all ranks shared one machine
   runOnAllRanks(*model_.comm, [&] {
-    systems_->factor(model_.subdomains, *jump_, method, dual, mayUse, [&](int) {
-      if (kind_ && !capped) surface.add(*systems_, model_.subdomains, *jump_);
+    systems_->factor(*jump_, method, dual, mayUse, [&](int) {
+      if (kind_ && !capped) surface.add(*systems_, *jump_);
     });
   });
   if (!kind_) return;
@@ -152,13 +156,14 @@ void FetiSystem::factor(LocalSolverMethod method, LocalDual dual, std::optional<
 
 // K once more, each class as long as the preconditioner's part of it is made.
 RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, bool dense) const {
-  const auto systems = Teuchos::rcp(new LocalSystems);
+  const auto systems =
+      Teuchos::rcp(new LocalSystems(std::make_shared<ElasticStiffness>(model_.subdomains, cappedMaterials_, model_.data.formulation)));
   runOnAllRanks(*model_.comm, [&] {
-    systems->assemble(model_.subdomains, cappedMaterials_, model_.data.formulation);
-    if (dense) systems->condenseLike(*systems_, model_.subdomains);
+    systems->assemble();
+    if (dense) systems->condenseLike(*systems_);
     else systems->findClasses();
     for (int c = 0; c < systems->numClasses(); ++c) {
-      surface.add(*systems, model_.subdomains, *jump_);
+      surface.add(*systems, *jump_);
       systems->releaseStiffness(c);
     }
   });
@@ -188,7 +193,7 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
 
 void FetiSystem::findSlender() {
   slender_.clear();
-  for (const auto& sub : model_.subdomains) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(sub));
+  for (const auto& sub : model_.subdomains) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(sub.coordinates));
   const int mine = std::count(slender_.begin(), slender_.end(), char(1)) > 0;
   int any = 0;
   Teuchos::reduceAll(*model_.comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));

@@ -125,18 +125,12 @@ class RigidBalance {
   double eps_;
 };
 
-// The motion without what is not worth naming: rotations that move no node by a twentieth of the translation.
-Eigen::VectorXd essentialPart(Eigen::VectorXd y) {
-  for (Eigen::Index body = 0; body < y.size(); body += 6)
-    if (y.segment<3>(body + 3).norm() < 0.05 * y.segment<3>(body).norm()) y.segment<3>(body + 3).setZero();
-  return y;
-}
-
 }  // namespace
 
 void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipliers, const NaturalCoarseSpace& G,
                             const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
   constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
+  constexpr double kUnnamed = 0.05;   // rotations that move no node by a twentieth of the translation
   const Communicator& comm = *multipliers.map()->getComm();
   const SparseRows GZ = G.rows() * bodies.Z();
   const Eigen::MatrixXd N = freeMotions(comm, multipliers, GZ);
@@ -147,7 +141,7 @@ void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipli
   const DualState state = balance.solve();
   if (balance.imbalance(state) <= kBalanced * b.norm()) return;
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
-                          bodies.describe(essentialPart(N * state.a)) +
+                          bodies.describe(N * state.a, kUnnamed) +
                           ". Reduce the load in that direction, raise the friction, or fix the body there.");
 }
 

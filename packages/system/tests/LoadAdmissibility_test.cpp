@@ -21,7 +21,7 @@ class Block {
   Block(const FrictionSpec& friction, int subdomains = 4) : scene_(makeScene(options(friction, subdomains))) {
     feti_ = makeFeti(Tpetra::getDefaultComm(), scene_);
     law_ = std::make_unique<ContactLaw>(makeContactLaw(*feti_.dealt.multipliers, {friction}));
-    bodies_ = std::make_unique<BodyMotions>(*feti_.comm, feti_.dealt.mine, *feti_.systems, scene_.partition.count, scene_.bodies.names);
+    bodies_ = std::make_unique<BodyMotions>(bodyMotions(feti_, scene_));
     std::map<std::int64_t, int> copies;
     for (const auto& sub : scene_.subdomains)
       for (auto node : sub.nodes) ++copies[node];

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "Haptos_ElementGroup.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 

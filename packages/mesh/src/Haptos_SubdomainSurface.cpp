@@ -5,9 +5,9 @@
 
 namespace Haptos {
 
-std::vector<int> surfaceNodes(const Subdomain& subdomain) {
+std::vector<int> surfaceNodes(const std::vector<ElementGroup>& groups, int numNodes) {
   std::vector<std::array<int, 4>> faces;  // sorted nodes; -1 first on triangles
-  for (const auto& group : subdomain.groups)
+  for (const auto& group : groups)
     for (int e = 0; e < group.numElements(); ++e)
       for (int side = 0; side < sidesPerElement(group.topology); ++side) {
         std::array<int, 4> face{-1, -1, -1, -1};
@@ -17,7 +17,7 @@ std::vector<int> surfaceNodes(const Subdomain& subdomain) {
         faces.push_back(face);
       }
   std::sort(faces.begin(), faces.end());
-  std::vector<char> onSurface(subdomain.numNodes(), 0);
+  std::vector<char> onSurface(std::size_t(numNodes), 0);
   for (std::size_t i = 0; i < faces.size();) {
     std::size_t j = i;
     while (j < faces.size() && faces[j] == faces[i]) ++j;
@@ -27,14 +27,14 @@ std::vector<int> surfaceNodes(const Subdomain& subdomain) {
     i = j;
   }
   std::vector<int> nodes;
-  for (int i = 0; i < subdomain.numNodes(); ++i)
+  for (int i = 0; i < numNodes; ++i)
     if (onSurface[i]) nodes.push_back(i);
   return nodes;
 }
 
-std::vector<int> surfaceDofs(const Subdomain& subdomain) {
+std::vector<int> surfaceDofs(const std::vector<ElementGroup>& groups, int numNodes) {
   std::vector<int> dofs;
-  for (int node : surfaceNodes(subdomain))
+  for (int node : surfaceNodes(groups, numNodes))
     for (int d = 0; d < 3; ++d) dofs.push_back(3 * node + d);
   return dofs;
 }
