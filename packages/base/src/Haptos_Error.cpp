@@ -22,6 +22,7 @@ CaughtError describeCurrentException() {
   }
 }
 
+// The root's error is thrown on all ranks as what it was, so that the program's exit status is the same everywhere.
 void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
   int header[2] = {error.kind, int(error.message.size())};
   Teuchos::broadcast(comm, root, 2, header);

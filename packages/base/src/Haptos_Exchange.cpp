@@ -28,6 +28,7 @@ void send(MPI_Comm comm, const Bytes& message, int to, std::vector<MPI_Request>&
   }
 }
 
+// Lengths are known before; pieces as they are sent.
 void receive(MPI_Comm comm, Bytes& message, int from, std::vector<MPI_Request>& requests) {
   for (std::size_t at = 0; at < message.size(); at += kPiece) {
     requests.emplace_back();
@@ -41,6 +42,7 @@ void waitFor(std::vector<MPI_Request>& requests) {
 
 }  // namespace
 
+// Everybody to everybody, most messages being empty.
 std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes>& outgoing) {
   const MPI_Comm raw = rawComm(comm);
   const int ranks = comm.getSize(), me = comm.getRank();
@@ -64,6 +66,7 @@ std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes
   return incoming;
 }
 
+// Not MPI_Scatterv, whose counts are ints: messages are sent one by one, none of them copied.
 Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messages, int root) {
   const MPI_Comm raw = rawComm(comm);
   const bool isRoot = comm.getRank() == root;
@@ -86,6 +89,7 @@ Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messag
   return messages[root];
 }
 
+// All of them are there at once: not for what grows with the mesh (`passToRoot`).
 std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, int root) {
   const MPI_Comm raw = rawComm(comm);
   const int ranks = comm.getSize();
@@ -154,6 +158,7 @@ void passToRoot(const Communicator& comm, ByteView mine, std::size_t pieceSize,
     }
 }
 
+// A node is what shares memory.
 int lowestRankOfNode(const Communicator& comm) {
   MPI_Comm node;
   MPI_Comm_split_type(rawComm(comm), MPI_COMM_TYPE_SHARED, comm.getRank(), MPI_INFO_NULL, &node);

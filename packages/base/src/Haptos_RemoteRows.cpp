@@ -23,6 +23,7 @@ Eigen::VectorXd valuesOf(const Vector& v) {
 
 }  // namespace
 
+// Some of the rows that this rank owns, in this order, under their own global indices.
 RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows) {
   std::vector<GlobalOrdinal> global;
   for (int row : rows) global.push_back(map.getGlobalElement(row));
@@ -56,6 +57,7 @@ void RemoteRows::makeVectors() const {
   remoteValues_ = Teuchos::rcp(new Vector(remoteMap_));
 }
 
+// Values of the other ranks' rows that this rank touches.
 Eigen::VectorXd RemoteRows::fetch(const Eigen::VectorXd& owned) const {
   if (isAlone_) return {};
   makeVectors();
@@ -64,6 +66,7 @@ Eigen::VectorXd RemoteRows::fetch(const Eigen::VectorXd& owned) const {
   return valuesOf(*remoteValues_);
 }
 
+// owned += what all other ranks have for these rows.
 void RemoteRows::addToOwners(const Eigen::VectorXd& remote, Eigen::VectorXd& owned) const {
   if (isAlone_) return;
   makeVectors();

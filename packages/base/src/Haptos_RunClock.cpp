@@ -93,6 +93,7 @@ std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, c
   return ofRank;
 }
 
+// Ranks one by one for the whole run; for a phase the largest of them is enough, and one reduction for all.
 CommunicationReport RunClock::communication(const Communicator& comm) const {
   CommunicationReport report;
   report.isCounted = isCommunicationCounted();
@@ -107,6 +108,7 @@ CommunicationReport RunClock::communication(const Communicator& comm) const {
   return report;
 }
 
+// Of this process since its start; memory that is let go does not lower it.
 double peakMemoryMb() {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);

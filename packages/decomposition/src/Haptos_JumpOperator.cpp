@@ -93,6 +93,7 @@ void JumpOperator::multiplyTransposed(const MultiVector& x, MultiVector& y, doub
   }
 }
 
+// y := alpha B x + beta y, or with B^T
 void JumpOperator::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const {
   if (mode == Teuchos::NO_TRANS) multiply(x, y, alpha, beta);
   else multiplyTransposed(x, y, alpha, beta);

@@ -59,6 +59,7 @@ class DeflatedContactBlock final : public Operator {
 
 }  // namespace
 
+// How many columns there would be is known before they are made, and the same on all ranks.
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender) {
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender));
   long mine = 0, all = 0;
@@ -211,6 +212,7 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
   return Y;
 }
 
+// Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1); K^+ is put on one side of the product.
 RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
   const int mine = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
   int slender = 0;

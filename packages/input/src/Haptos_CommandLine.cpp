@@ -47,6 +47,7 @@ void applyFlag(CommandLine& line, const std::string& option) {
   if (option == "--help") line.help = true;
 }
 
+/// With the option that was meant, most likely, and all that there are.
 [[noreturn]] void refuseOption(const std::string& option) {
   auto valid = valueOptions;
   valid.insert(valid.end(), flagOptions.begin(), flagOptions.end());
@@ -100,6 +101,7 @@ CommandLine parseCommandLine(int argc, const char* const* argv) {
   return parseCommandLine(std::vector<std::string>(argv + std::min(argc, 1), argv + argc));
 }
 
+// What contract there is with scripts stands here: options and exit statuses.
 std::string helpText() {
   return R"(usage: mpirun -n RANKS haptos INPUT.xml [options]
 

@@ -45,6 +45,7 @@ std::string cell(const std::string& text) {
   return escaped.empty() ? " " : escaped;
 }
 
+// One row a parameter; the text of --print-parameters has the same in lines.
 void writeTable(std::ostream& out, const ParameterTree& tree) {
   if (tree.parameters.empty()) return;
   out << "| parameter | type | default | valid | meaning |\n|---|---|---|---|---|\n";
@@ -56,6 +57,7 @@ void writeTable(std::ostream& out, const ParameterTree& tree) {
   out << "\n";
 }
 
+// List by list, lists within lists one heading deeper.
 void writeMarkdown(std::ostream& out, const ParameterTree& tree, const std::string& path, int level) {
   out << std::string(std::size_t(std::min(level, 6)), '#') << " " << cell(path.empty() ? tree.name : path)
       << "\n\n"

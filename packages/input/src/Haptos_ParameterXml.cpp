@@ -91,6 +91,7 @@ void readParameter(const XMLObject& entry, ParameterList& list, const std::strin
   setValue(list, name, *value);
 }
 
+// Depth first; a name stands once in a list.
 void readList(const XMLObject& element, ParameterList& list, const std::string& listPath) {
   checkContent(element, listPath.empty() ? "the input" : listPath);
   for (int i = 0; i < element.numChildren(); ++i) {
@@ -120,6 +121,7 @@ ParameterList parameterListFromXml(const std::string& text, const std::string& o
   return list;
 }
 
+// The whole file at once; what cannot be read is told apart: missing, a folder, no permission.
 std::string readTextFile(const std::string& fileName) {
   std::error_code ignored;
   if (!std::filesystem::exists(fileName, ignored))

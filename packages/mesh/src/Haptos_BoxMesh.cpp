@@ -142,6 +142,7 @@ class BoxBuilder {
   Index firstNode_, firstElement_;
 };
 
+/// Divisions and corners that make a box.
 void checkBox(const BoxSpec& box) {
   constexpr const char* axes[3] = {"x", "y", "z"};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -193,6 +194,7 @@ void checkBoxes(const std::vector<BoxSpec>& boxes) {
 
 }  // namespace
 
+// Every rank makes its ranges of nodes and elements of every box, and nothing else: no rank holds the mesh.
 MeshShare shareBoxes(const std::vector<BoxSpec>& boxes, int rank, int ranks) {
   checkBoxes(boxes);
   MeshShare share;
@@ -224,6 +226,7 @@ MeshShare shareBoxes(const std::vector<BoxSpec>& boxes, int rank, int ranks) {
 
 Mesh makeBoxes(const std::vector<BoxSpec>& boxes) { return shareBoxes(boxes, 0, 1).part; }
 
+// The benchmark: 2 x 1 x 1 on 2 x 1 x 1, node on node at z = 0.
 MeshShare shareTwoBeams(const TwoBeamsSpec& spec, int rank, int ranks) {
   const int k = spec.subdomainsPerEdge, p = spec.elementsPerSubdomainEdge;
   if (k < 1)

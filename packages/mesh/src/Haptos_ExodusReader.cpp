@@ -46,6 +46,7 @@ class QuietStderr {
   int saved_;
 };
 
+/// \return below 0 if that fails; why is found out by other means, as the library guesses.
 int openForReading(const std::string& path) {
   const QuietStderr quiet;
   ex_opts(0);  // nor shall later calls print
@@ -182,6 +183,7 @@ class Reader {
     return numbers;
   }
 
+  // Counts are checked against the size of the file before memory is asked for.
   void readSizes() {
     require(ex_get_init_ext(file_->id(), &sizes_), "the sizes of the mesh");
     sizes_.title[MAX_LINE_LENGTH] = '\0';
@@ -262,6 +264,7 @@ class Reader {
     return names;
   }
 
+  // All ranks know all blocks; each reads its stretch of the connectivity.
   void readBlocks() {
     const auto ids = readIds(EX_ELEM_BLOCK, sizes_.num_elem_blk, "element block");
     const auto names = readNames(EX_ELEM_BLOCK, sizes_.num_elem_blk, "element block");
@@ -362,6 +365,7 @@ class Reader {
     return members;
   }
 
+  /// 0-based; refused where there is no such element or side.
   ElementSide checkedSide(Index element, Index side, const std::string& what) const {
     if (element < 1 || element > sizes_.num_elem)
       refuse(what + " refers to element " + std::to_string(element) + ", but the elements go from 1 to " +

@@ -22,6 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Index = std::int64_t;
 
+/// Numbers beyond 2^31 need the HDF5 format; others get the older one, which every reader takes.
 template <class Entity>
 bool anyIdIsWide(const std::vector<Entity>& all) {
   return std::any_of(all.begin(), all.end(),
@@ -49,6 +50,7 @@ std::size_t longestName(const Mesh& mesh) {
   return longest;
 }
 
+// 64-bit numbers in calls in any case, in the file where they are needed.
 int createFile(const std::string& path, bool wideIntegers) {
   ex_opts(0);  // the library prints nothing by itself
   int wordSize = 8, fileWordSize = 8;
@@ -56,6 +58,7 @@ int createFile(const std::string& path, bool wideIntegers) {
   return ex_create(path.c_str(), EX_CLOBBER | EX_ALL_INT64_API | kind, &wordSize, &fileWordSize);
 }
 
+/// Exodus counts nodes, elements and sides from 1.
 std::vector<Index> oneBased(const std::vector<Index>& indices) {
   auto shifted = indices;
   for (auto& index : shifted) ++index;
@@ -157,6 +160,7 @@ struct ExodusWriter::File {
   std::unique_ptr<ExodusHandle> handle_;
 };
 
+// Sizes first, since the library lays the file out by them; then what the ranks have, piece by piece in the order of entities.
 void ExodusWriter::File::writeMesh(const MeshShare& mesh) {
   onRoot([&] {
     ex_init_params sizes{};
@@ -181,6 +185,7 @@ void ExodusWriter::File::writeMesh(const MeshShare& mesh) {
   agree();
 }
 
+// Components apart, as the library wants them; ranks send points, so that a piece is a range of nodes.
 void ExodusWriter::File::writeNodes(const MeshShare& mesh) {
   const auto& x = mesh.part.coordinates;
   pass(x.data(), x.size(), 1, [&](Index first, Index count, const std::array<double, 3>* nodes) {
@@ -204,6 +209,7 @@ void ExodusWriter::File::writeNumbers(ex_entity_type type, const std::vector<Ind
   });
 }
 
+// Block by block all ranks send what they have of it: their ranges follow on each other in the block.
 void ExodusWriter::File::writeBlocks(const MeshShare& mesh) {
   onRoot([&] {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
@@ -222,6 +228,7 @@ void ExodusWriter::File::writeBlocks(const MeshShare& mesh) {
   writeNumbers(EX_ELEM_MAP, mesh.part.elementNumbers, "element number map");
 }
 
+// Members lie with their nodes; they go to the places that they had in the set first, so that a set is written as it was read.
 void ExodusWriter::File::writeNodeSets(const MeshShare& mesh) {
   const auto members = setNodesInOrder(*comm_, mesh);
   auto member = members.begin();
@@ -236,6 +243,7 @@ void ExodusWriter::File::writeNodeSets(const MeshShare& mesh) {
   }
 }
 
+// The same for sides, which lie with their elements.
 void ExodusWriter::File::writeSideSets(const MeshShare& mesh) {
   const auto members = sidesInOrder(*comm_, mesh);
   auto member = members.begin();
@@ -267,6 +275,7 @@ void ExodusWriter::File::defineNames(ex_entity_type type, const std::vector<std:
   if (n > 0) require(ex_put_variable_names(id(), type, n, pointers.data()), "names of results");
 }
 
+// At the first step; every later one has the same.
 void ExodusWriter::File::defineFields(const ResultFields& fields) {
   nodal_ = namesOf(fields.nodal);
   element_ = namesOf(fields.element);
@@ -285,6 +294,7 @@ void ExodusWriter::File::defineFields(const ResultFields& fields) {
   });
 }
 
+// Our own mistakes, told before rank 0 waits for pieces that do not come.
 void ExodusWriter::File::checkFields(const ResultFields& fields) const {
   TEUCHOS_TEST_FOR_EXCEPTION(
       step_ > 0 && (namesOf(fields.nodal) != nodal_ || namesOf(fields.element) != element_ || namesOf(fields.global) != global_),
@@ -301,6 +311,7 @@ void ExodusWriter::File::checkFields(const ResultFields& fields) const {
   for (const auto& field : fields.global) check(field.first, 1, 1, "file");
 }
 
+// Exodus has element results by blocks.
 void ExodusWriter::File::writeElementField(int index, const std::vector<double>& values) {
   for (const auto& block : blocks_)
     pass(values.data() + block.first, block.count, 1, [&](Index first, Index count, const double* piece) {
@@ -315,6 +326,7 @@ ExodusWriter::ExodusWriter(RCP<const Communicator> comm, const std::string& path
 
 ExodusWriter::~ExodusWriter() = default;
 
+// What rank 0 meets it tells at the end: the others only send, and would wait for ever if it threw before.
 void ExodusWriter::writeStep(double time, const ResultFields& fields) {
   TEUCHOS_TEST_FOR_EXCEPTION(!file_, std::logic_error, "ExodusWriter: the file is closed.");
   File& f = *file_;

@@ -104,6 +104,7 @@ std::string listBlocks(const Mesh& mesh) { return listEntities(mesh.blocks); }
 std::string listSideSets(const Mesh& mesh) { return listEntities(mesh.sideSets); }
 std::string listNodeSets(const Mesh& mesh) { return listEntities(mesh.nodeSets); }
 
+// By its number in the file, and its place where numbers say nothing.
 std::string describeNode(const Mesh& mesh, std::int64_t node) {
   const auto& x = mesh.coordinates[std::size_t(node)];
   std::ostringstream text;

@@ -12,12 +12,14 @@ namespace {
 
 using Index = std::int64_t;
 
+/// all[begin, end)
 template <class T>
 std::vector<T> slice(const std::vector<T>& all, Index begin, Index end) {
   if (all.empty()) return {};  // number maps may be left out
   return {all.begin() + begin, all.begin() + end};
 }
 
+/// Every block is there on every rank, with the elements of the rank's range, maybe none.
 void sliceBlocks(const Mesh& whole, MeshShare& share) {
   for (std::size_t b = 0; b < whole.blocks.size(); ++b) {
     const auto& block = whole.blocks[b];
@@ -27,6 +29,7 @@ void sliceBlocks(const Mesh& whole, MeshShare& share) {
   }
 }
 
+/// Sides go with their elements; where they stood in the set is kept for writing.
 void sliceSideSets(const Mesh& whole, MeshShare& share) {
   for (const auto& set : whole.sideSets) {
     SideSet mine{set.id, set.name, {}};
@@ -43,6 +46,7 @@ void sliceSideSets(const Mesh& whole, MeshShare& share) {
   }
 }
 
+/// Nodes of sets go with the ranges of nodes.
 void sliceNodeSets(const Mesh& whole, MeshShare& share) {
   for (const auto& set : whole.nodeSets) {
     NodeSet mine{set.id, set.name, {}};
@@ -129,6 +133,7 @@ MeshShare unpackShare(const Bytes& bytes) {
 
 }  // namespace
 
+// Ranges of equal length in mesh order, of nodes and of elements: neither knows the other, nor any cut.
 MeshShare sliceOfMesh(const Mesh& whole, int rank, int ranks) {
   MeshShare share;
   share.rank = rank;
@@ -146,6 +151,7 @@ MeshShare sliceOfMesh(const Mesh& whole, int rank, int ranks) {
   return share;
 }
 
+// A mesh in memory is on rank 0 as a whole; what it sends is no larger than the mesh.
 MeshShare scatterMesh(const Communicator& comm, const Mesh& whole) {
   std::vector<Bytes> messages;
   if (comm.getRank() == 0)

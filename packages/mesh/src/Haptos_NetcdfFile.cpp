@@ -132,6 +132,7 @@ class ClassicHeader {
   std::vector<Variable> variables_;
 };
 
+// Before anything is opened: a folder or a device would be read until something breaks.
 void checkKind(const std::string& path) {
   namespace fs = std::filesystem;
   std::error_code error;
@@ -143,6 +144,7 @@ void checkKind(const std::string& path) {
 
 }  // namespace
 
+// By what the header of a classic file asks for; HDF5 files know their length themselves.
 void requireWholeNetcdfFile(const std::string& path) {
   checkKind(path);
   std::ifstream in(path, std::ios::binary);

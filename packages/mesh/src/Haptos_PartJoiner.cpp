@@ -47,6 +47,7 @@ class Joiner {
   Joiner(const Communicator& comm, const std::string& path, std::vector<ExodusPart> parts)
       : comm_(comm), path_(path), parts_(std::move(parts)) {}
 
+  // Nodes and elements get their places in the order of their numbers, as in a file that holds all of them; everything else follows.
   MeshShare join() {
     share_.rank = comm_.getRank();
     agreeOnHeaders();
@@ -90,6 +91,7 @@ class Joiner {
     share_.part.wideIntegers = anyWide != 0;
   }
 
+  /// Title, and id and name of every block and set.
   static Bytes packHeader(const Mesh& mesh) {
     ByteWriter writer;
     writer.write(mesh.title);
@@ -199,6 +201,7 @@ class Joiner {
     return positions;
   }
 
+  /// What headers of files say of the whole mesh, where they say it.
   void requireTotal(Index found, Index ExodusPart::*stated, const std::string& what) const {
     runOnAllRanks(comm_, [&] {
       for (const auto& part : parts_)
@@ -220,6 +223,7 @@ class Joiner {
     return nodes;
   }
 
+  /// Copies of a node must lie at one place to the last digit: the same number may be another node.
   void joinNodes(const std::vector<Index>& indices) {
     std::vector<SentNode> sent;
     auto index = indices.begin();
@@ -245,6 +249,7 @@ class Joiner {
     });
   }
 
+  /// \return index of every element of every part, block by block as the mesh counts them.
   std::vector<Index> numberElements() {
     std::vector<Key> keys;
     for (const auto& part : parts_) {

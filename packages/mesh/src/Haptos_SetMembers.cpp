@@ -35,6 +35,7 @@ std::vector<SetMember> inOrder(const Communicator& comm, const std::vector<SetMe
 
 }  // namespace
 
+// Positions ascend in each set, as members come sorted.
 void dealSides(const Communicator& comm, const std::vector<SetMember>& members, MeshShare& share) {
   share.sidePositions.resize(share.part.sideSets.size());
   for (const auto& m : dealMembers(comm, members, share.elements)) {
@@ -51,6 +52,7 @@ void dealSetNodes(const Communicator& comm, const std::vector<SetMember>& member
   }
 }
 
+// The way back, for writing.
 std::vector<SetMember> sidesInOrder(const Communicator& comm, const MeshShare& share) {
   std::vector<SetMember> members;
   for (std::size_t s = 0; s < share.sidePositions.size(); ++s)

@@ -98,6 +98,7 @@ std::string BoundEllipseSet::checkRows() const {
   return {};
 }
 
+// Empty if they are good.
 std::string BoundEllipseSet::checkSemiAxes(const std::array<int, 2>& rows, const std::array<double, 2>& semiAxes) {
   for (const double a : semiAxes)
     if (!(a >= 0.0) || std::isinf(a)) {

@@ -35,6 +35,7 @@ Json modelBlock(const ModelReport& model) {
           {"notes", model.notes}};
 }
 
+// The history has an entry a step; what each sent is in it where it is counted.
 Json solverBlock(const SolverReport& solver) {
   Json history = Json::array();
   for (const auto& entry : solver.history) {
@@ -141,6 +142,7 @@ std::string textOf(const Json& json) { return json.dump(2, ' ', false, Json::err
 
 }  // namespace
 
+// The first line of a run.
 std::string modelText(const ModelReport& model) {
   std::ostringstream out;
   out << model.bodies << (model.bodies == 1 ? " body, " : " bodies, ") << model.subdomains << " subdomains, "

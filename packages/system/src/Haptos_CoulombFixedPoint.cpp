@@ -40,6 +40,7 @@ std::vector<double> CoulombFixedPoint::slipBounds(const MultiVector& lambda) con
   return g;
 }
 
+// F1 g, F2 g
 std::vector<std::array<double, 2>> CoulombFixedPoint::semiAxes() const {
   std::vector<std::array<double, 2>> axes;
   for (std::size_t k = 0; k < frictional_.size(); ++k) {
