@@ -1,133 +1,129 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_MultiplierMap.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_Comm.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
-#include <iterator>
+#include <cmath>
 
-#include "Haptos_Exchange.hpp"
+#include "Haptos_RowDealer.hpp"
 
 namespace Haptos {
 namespace {
 
-struct SentEntry {
+struct OwnRow {
   GlobalOrdinal row;
-  RowEntry entry;
+  RowKind kind;
+  char pinned;
+  double c;
+  std::int64_t node;
 };
 
-// What one rank gets: its own rows, and the entries of its subdomains in anybody's rows.
-struct Share {
-  std::vector<GlobalOrdinal> rows;
-  std::vector<RowKind> kinds;
-  std::vector<char> pinned;
-  std::vector<double> c;
-  std::vector<std::int64_t> nodes;
-  std::vector<std::size_t> offsets{0};
-  std::vector<RowEntry> entries;
-  std::vector<PairRows> pairs;
-  std::vector<SentEntry> overlap;
-};
-
-void packPair(ByteWriter& writer, const PairRows& pair) {
-  writer.write(pair.interface);
-  writer.write(pair.pair);
-  writer.write(pair.normal);
-  for (GlobalOrdinal row : pair.tangential) writer.write(row);
-  pack(writer, pair.geometry);
+void addRowsOfNode(const RowShare::Node& node, std::vector<OwnRow>& rows) {
+  const int mu = int(node.stiffness.size());
+  for (int k = 0; k < 3 * (mu - 1); ++k) rows.push_back({node.gluing + k, RowKind::Gluing, 0, 0.0, node.node});
+  for (std::size_t d = 0; d < 3; ++d)
+    if (node.dirichlet[d] >= 0)
+      rows.push_back({node.dirichlet[d], RowKind::Dirichlet, char(mu == 0), std::sqrt(double(mu)) * node.prescribed[d], node.node});
 }
 
-LocalPair unpackPair(ByteReader& reader, const Map& map) {
-  LocalPair pair;
-  pair.interface = reader.read<int>();
-  pair.pair = reader.read<int>();
-  pair.normal = map.getLocalElement(reader.read<GlobalOrdinal>());
-  for (int& row : pair.tangential) {
-    const auto global = reader.read<GlobalOrdinal>();
-    row = global < 0 ? -1 : map.getLocalElement(global);
+void addRowsOfPair(const RowShare::Pair& pair, std::vector<OwnRow>& rows) {
+  for (std::size_t a = 0; a < 3; ++a) {
+    if (pair.rows[a] < 0) continue;
+    const RowKind kind = pair.isTied ? RowKind::Tied : a == 0 ? RowKind::Normal : RowKind::Tangential;
+    rows.push_back({pair.rows[a], kind, pair.pinned[a], pair.c[a], pair.geometry.secondaryNode});
   }
-  pair.geometry = unpackContactPair(reader);
-  return pair;
 }
 
-std::vector<Bytes> packShares(const ConstraintRows& rows, const std::vector<int>& rankOfSubdomain, int ranks) {
-  std::vector<Share> shares(ranks);
-  for (GlobalOrdinal row = 0; row < rows.numRows(); ++row) {
-    Share& mine = shares[rankOfSubdomain[rows.owner[row]]];
-    mine.rows.push_back(row);
-    mine.kinds.push_back(rows.kinds[row]);
-    mine.pinned.push_back(rows.pinned[row]);
-    mine.c.push_back(rows.c[row]);
-    mine.nodes.push_back(rows.node[row]);
-    for (auto k = rows.offsets[row]; k < rows.offsets[row + 1]; ++k) {
-      mine.entries.push_back(rows.entries[k]);
-      shares[rankOfSubdomain[rows.entries[k].subdomain]].overlap.push_back({row, rows.entries[k]});
-    }
-    mine.offsets.push_back(mine.entries.size());
+// visit(row, component, value) for what gluing and Dirichlet rows have at one copy of a node
+template <class Visit>
+void forEachEntry(const RowShare::Copy& copy, Visit&& visit) {
+  for (int j = std::max(1, copy.position); j < copy.copies; ++j) {
+    const double norm = std::sqrt(double(j) * (j + 1));
+    for (int d = 0; d < 3; ++d) visit(copy.gluing + 3 * (j - 1) + d, d, (copy.position < j ? 1.0 : -double(j)) / norm);
   }
-  for (const auto& pair : rows.pairs) shares[rankOfSubdomain[rows.owner[pair.normal]]].pairs.push_back(pair);
-
-  std::vector<Bytes> messages;
-  for (auto& share : shares) {
-    ByteWriter writer;
-    writer.write(rows.numRows());
-    writer.write(rows.numEquality);
-    writer.write(GlobalOrdinal(rows.pairs.size()));
-    writer.write(share.rows);
-    writer.write(share.kinds);
-    writer.write(share.pinned);
-    writer.write(share.c);
-    writer.write(share.nodes);
-    writer.write(share.offsets);
-    writer.write(share.entries);
-    writer.write(share.overlap);
-    writer.write(share.pairs.size());
-    for (const auto& pair : share.pairs) packPair(writer, pair);
-    messages.push_back(writer.take());
-    share = {};
-  }
-  return messages;
+  for (int d = 0; d < 3; ++d)
+    if (copy.dirichlet[std::size_t(d)] >= 0) visit(copy.dirichlet[std::size_t(d)], d, 1.0 / std::sqrt(double(copy.copies)));
 }
+
+Teuchos::ArrayView<const GlobalOrdinal> viewOf(const std::vector<GlobalOrdinal>& v) { return {v.data(), Teuchos_Ordinal(v.size())}; }
 
 }  // namespace
 
-MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const ConstraintRows& rows,
-                             const std::vector<int>& rankOfSubdomain) {
-  std::vector<Bytes> messages;
-  if (comm->getRank() == 0) messages = packShares(rows, rankOfSubdomain, comm->getSize());
-  const Bytes message = scatterFromRoot(*comm, messages);
-  ByteReader reader(message);
-  const auto numRows = reader.read<GlobalOrdinal>();
-  numEquality_ = reader.read<GlobalOrdinal>();
-  numPairs_ = reader.read<GlobalOrdinal>();
-  const auto owned = reader.readVector<GlobalOrdinal>();
-  kinds_ = reader.readVector<RowKind>();
-  pinned_ = reader.readVector<char>();
-  c_ = reader.readVector<double>();
-  nodes_ = reader.readVector<std::int64_t>();
-  ownedOffsets_ = reader.readVector<std::size_t>();
-  ownedEntries_ = reader.readVector<RowEntry>();
-  auto overlap = reader.readVector<SentEntry>();
+MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const RowSources& sources) {
+  const RowShare share = dealRows(*comm, sources);
+  numEquality_ = share.numEquality;
+  numPairs_ = share.numPairs;
+  takeOwnRows(comm, share);
+  takeNodes(share);
+  takePairs(share);
+  takeEntries(sources, share);
+  coupledCopies_ = share.coupled;
+}
 
-  std::vector<GlobalOrdinal> touched;
-  for (const auto& sent : overlap) touched.push_back(sent.row);
-  std::sort(touched.begin(), touched.end());
-  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
-  const auto view = [](const std::vector<GlobalOrdinal>& v) { return Teuchos::ArrayView<const GlobalOrdinal>(v.data(), v.size()); };
-  map_ = Teuchos::rcp(new Map(numRows, view(owned), 0, comm));
-  std::vector<GlobalOrdinal> all = owned;
-  std::copy_if(touched.begin(), touched.end(), std::back_inserter(all), [&](GlobalOrdinal row) { return !map_->isNodeGlobalElement(row); });
-  overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), view(all), 0, comm));
-  remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
-  for (std::size_t row = 0; row < kinds_.size(); ++row)
-    if (!isEquality(kinds_[row])) contactRows_.push_back(int(row));
+void MultiplierMap::takeOwnRows(const RCP<const Communicator>& comm, const RowShare& share) {
+  std::vector<OwnRow> rows;
+  for (const auto& node : share.nodes) addRowsOfNode(node, rows);
+  for (const auto& pair : share.pairs) addRowsOfPair(pair, rows);
+  std::sort(rows.begin(), rows.end(), [](const OwnRow& a, const OwnRow& b) { return a.row < b.row; });
+  std::vector<GlobalOrdinal> own;
+  for (const OwnRow& row : rows) {
+    if (!isEquality(row.kind)) contactRows_.push_back(int(own.size()));
+    own.push_back(row.row);
+    kinds_.push_back(row.kind);
+    pinned_.push_back(row.pinned);
+    c_.push_back(row.c);
+    nodes_.push_back(row.node);
+  }
+  map_ = Teuchos::rcp(new Map(Tpetra::global_size_t(share.numRows), viewOf(own), 0, comm));
   contactMap_ = mapOfRows(*map_, contactRows_);
 
-  pairs_.resize(reader.read<std::size_t>());
-  for (auto& pair : pairs_) pair = unpackPair(reader, *map_);
-  for (const auto& sent : overlap)
-    overlapEntries_.push_back({overlapMap_->getLocalElement(sent.row), sent.entry.subdomain, sent.entry.dof,
-                               sent.entry.value, sent.entry.weight});
+  std::vector<GlobalOrdinal> touched;
+  for (const auto& copy : share.copies) forEachEntry(copy, [&](GlobalOrdinal row, int, double) { touched.push_back(row); });
+  for (const auto& entry : share.entries) touched.push_back(entry.row);
+  std::sort(touched.begin(), touched.end());
+  touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  const std::size_t numOwn = own.size();
+  for (GlobalOrdinal row : touched)
+    if (!std::binary_search(own.begin(), own.begin() + std::ptrdiff_t(numOwn), row)) own.push_back(row);
+  overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), viewOf(own), 0, comm));
+  remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
+}
+
+void MultiplierMap::takeNodes(const RowShare& share) {
+  const auto local = [&](GlobalOrdinal row) { return row < 0 ? -1 : map_->getLocalElement(row); };
+  for (const auto& node : share.nodes) {
+    const auto& rows = node.dirichlet;
+    nodeRows_.push_back({node.node, local(node.gluing), {local(rows[0]), local(rows[1]), local(rows[2])}, node.holder, copyStiffness_.size(),
+                         int(node.stiffness.size())});
+    copyStiffness_.insert(copyStiffness_.end(), node.stiffness.begin(), node.stiffness.end());
+  }
+}
+
+void MultiplierMap::takePairs(const RowShare& share) {
+  const auto local = [&](GlobalOrdinal row) { return row < 0 ? -1 : map_->getLocalElement(row); };
+  for (bool tied : {false, true})
+    for (const auto& pair : share.pairs) {
+      if (pair.isTied != tied) continue;
+      const std::array<int, 3> rows{local(pair.rows[0]), local(pair.rows[1]), local(pair.rows[2])};
+      const LocalFrame& frame = pair.geometry.frame;
+      Coupling coupling{rows, {frame.normal, frame.t1, frame.t2}, pair.nodes, pair.holder, pair.meetsContact};
+      if (tied) coupling.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+      couplings_.push_back(std::move(coupling));
+      if (tied) tiedPairs_.push_back({pair.interface, pair.position, rows, pair.geometry});
+      else pairs_.push_back({pair.interface, pair.position, rows[0], {rows[1], rows[2]}, pair.geometry});
+    }
+}
+
+void MultiplierMap::takeEntries(const RowSources& sources, const RowShare& share) {
+  const int first = sources.subdomains.empty() ? 0 : sources.subdomains.front().id;
+  const auto add = [&](GlobalOrdinal row, int subdomain, int dof, double value) {
+    const double weight = sources.subdomains[std::size_t(subdomain - first)].stiffness[std::size_t(dof / 3)];
+    overlapEntries_.push_back({overlapMap_->getLocalElement(row), subdomain, dof, value, weight});
+  };
+  for (const auto& copy : share.copies)
+    forEachEntry(copy, [&](GlobalOrdinal row, int d, double value) { add(row, copy.subdomain, 3 * copy.localNode + d, value); });
+  for (const auto& entry : share.entries) add(entry.row, entry.subdomain, entry.dof, entry.value);
   std::stable_sort(overlapEntries_.begin(), overlapEntries_.end(), [](const OverlapEntry& a, const OverlapEntry& b) {
     return a.subdomain != b.subdomain ? a.subdomain < b.subdomain : a.row < b.row;
   });

@@ -186,18 +186,6 @@ TEUCHOS_UNIT_TEST(ConstraintRows, RowsHaveFullRank) {
   }
 }
 
-TEUCHOS_UNIT_TEST(ConstraintRows, RowsOfOneNodeOrPairHaveOneOwner) {
-  SceneOptions options = clampedAtEnd();
-  options.subdomains = 9;
-  const Scene scene = makeScene(options);
-  std::map<std::int64_t, std::set<int>> owners;
-  for (GlobalOrdinal row = 0; row < scene.rows.numRows(); ++row) owners[scene.rows.node[row]].insert(scene.rows.owner[row]);
-  for (const auto& [node, ranks] : owners) TEST_EQUALITY(int(ranks.size()), 1);
-  for (const auto& pair : scene.rows.pairs)
-    if (owners.count(pair.geometry.primary.at(0).node))
-      TEST_EQUALITY(*owners[pair.geometry.primary.at(0).node].begin(), scene.rows.owner[pair.normal]);
-}
-
 // Laws are evaluated where the pairs are owned: by the ranks of both bodies.
 TEUCHOS_UNIT_TEST(ConstraintRows, BothBodiesOwnPairs) {
   SceneOptions options = clampedAtEnd();

@@ -17,6 +17,7 @@
 #include "Haptos_JumpOperator.hpp"
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_TpetraCompat.hpp"
+#include "SerialRows.hpp"
 
 namespace Haptos::Testing {
 
@@ -32,6 +33,7 @@ struct Scene {
   std::vector<IsotropicMaterial> materials;
   std::vector<PrescribedDisplacement> prescribed;
   std::vector<ContactInterface> interfaces;
+  bool frictional = true;
   ConstraintRows rows;
 
   std::vector<int> offsets() const {  // first dof of every subdomain, and the total
@@ -104,6 +106,11 @@ inline std::vector<PrescribedDisplacement> prescribe(const SceneOptions& o, cons
   return result;
 }
 
+inline void buildRows(Scene& scene) {
+  scene.rows = buildConstraintRows(scene.mesh, scene.subdomains, scene.prescribed, scene.interfaces,
+                                   std::vector<char>(scene.interfaces.size(), char(scene.frictional)), {7.0, 21.0});
+}
+
 inline Scene makeScene(const SceneOptions& o) {
   Scene scene;
   scene.mesh = sceneMesh(o);
@@ -125,8 +132,50 @@ inline Scene makeScene(const SceneOptions& o) {
     spec.principalDirection = o.friction;
     scene.interfaces = buildContact(scene.mesh, {spec});
   }
-  scene.rows = buildConstraintRows(scene.mesh, scene.subdomains, scene.prescribed, scene.interfaces,
-                                   std::vector<char>(scene.interfaces.size(), char(o.frictional)), {7.0, 21.0});
+  scene.frictional = o.frictional;
+  buildRows(scene);
+  return scene;
+}
+
+/// Two bodies whose matching nodes are paired anew: lists on both sides whose nodes other pairs use too, with axes of their own;
+/// tied pairs, single ones and lists; a rigid obstacle.  Some nodes are prescribed in one component, on one side or on both.
+inline Scene makeListScene(bool frictional = true, int subdomains = 7) {
+  SceneOptions o;
+  o.lower = o.upper = {5, 3, 2};
+  o.subdomains = subdomains;
+  o.frictional = frictional;
+  o.hold = [](int body, const Point& x) {
+    const bool edge = x[0] < 1e-9, middle = std::abs(x[2]) < 1e-9;
+    if (body == 0) return std::string(x[2] < -1 + 1e-9 || (edge && x[1] < 1e-9) ? "xyz" : edge && middle ? "x" : "");
+    return std::string(x[2] > 1 - 1e-9 ? "z" : edge ? "x" : x[0] > 1.5 - 1e-9 && middle ? "y" : "");
+  };
+  Scene scene = makeScene(o);
+  const auto matching = scene.interfaces.front().pairs;
+  const int n = int(matching.size());
+  const auto node = [&](int side, int i) {
+    const ContactPair& pair = matching[std::size_t(i % n)];
+    return side == 0 ? pair.secondary.front().node : pair.primary.front().node;
+  };
+  scene.interfaces.assign(3, {});
+  const char* const names[] = {"lists", "bonded", "plane"};
+  for (int k = 0; k < 3; ++k) scene.interfaces[std::size_t(k)].name = names[k];
+  scene.interfaces[1].tied = true;
+  for (int i = 0; i < n; ++i) {
+    const int kind = i < n / 2 ? 0 : i < 4 * n / 5 ? 1 : 2;
+    ContactPair pair = matching[std::size_t(i)];
+    if (kind == 0) {
+      pair.frame = makeFrame({0.1 * i, 0.2, -1.0}, {1, 0.1 * i, 0});
+      pair.secondary = {{node(0, i), 0.75}, {node(0, i + 1), 0.25}};
+    }
+    if (kind == 0 || (kind == 1 && i % 2 == 0)) {
+      pair.primary.clear();
+      for (int j = 0; j < 7; ++j) pair.primary.push_back({node(1, i + 2 * j), (j + 1) / 25.0});  // they sum to more than 1
+    }
+    if (kind == 2) pair.primary.clear();
+    pair.gap = 0.01 * i;
+    scene.interfaces[std::size_t(kind)].pairs.push_back(pair);
+  }
+  buildRows(scene);
   return scene;
 }
 
@@ -151,6 +200,20 @@ struct Dealt {
   RCP<const JumpOperator> jump;
 };
 
+/// Prescribed values and pairs come from all ranks in turns.
+inline RowSources rowSources(const Communicator& comm, const Scene& scene, const std::vector<Subdomain>& mine) {
+  RowSources sources;
+  for (const auto& sub : mine) sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub, {7.0, 21.0})});
+  const auto isMine = [&](std::size_t i) { return int(i) % comm.getSize() == comm.getRank(); };
+  for (std::size_t i = 0; i < scene.prescribed.size(); ++i)
+    if (isMine(i)) sources.prescribed.push_back(scene.prescribed[i]);
+  const auto pairs = placedPairs(scene.interfaces);
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (isMine(i)) sources.pairs.push_back(pairs[i]);
+  for (const auto& interface : scene.interfaces) sources.interfaces.push_back({interface.name, interface.tied, scene.frictional});
+  return sources;
+}
+
 inline Dealt deal(const RCP<const Communicator>& comm, const Scene& scene) {
   Dealt dealt;
   std::vector<double> work;
@@ -163,7 +226,7 @@ inline Dealt deal(const RCP<const Communicator>& comm, const Scene& scene) {
     dealt.mine.push_back(sub);
     sizes.push_back(sub.numDofs());
   }
-  dealt.multipliers = Teuchos::rcp(new MultiplierMap(comm, scene.rows, dealt.rankOf));
+  dealt.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(*comm, scene, dealt.mine)));
   dealt.jump = Teuchos::rcp(new JumpOperator(dealt.multipliers, dealt.first, sizes));
   return dealt;
 }

@@ -98,7 +98,6 @@ TEUCHOS_UNIT_TEST(MultiplierMap, EveryRowIsOwnedOnceWithItsData) {
     const auto global = m.map()->getGlobalElement(row);
     TEST_ASSERT(m.kinds()[row] == scene.rows.kinds[global] && m.pinned()[row] == scene.rows.pinned[global]);
     TEST_EQUALITY(m.nodes()[row], scene.rows.node[global]);
-    TEST_EQUALITY(m.ownedOffsets()[row + 1] - m.ownedOffsets()[row], scene.rows.offsets[global + 1] - scene.rows.offsets[global]);
   }
   long pairs = 0, mine = long(m.pairs().size());
   Teuchos::reduceAll(*comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(pairs));
@@ -122,4 +121,60 @@ TEUCHOS_UNIT_TEST(MultiplierMap, SameRowsOnAnyNumberOfRanks) {
   first = sum;
   Teuchos::broadcast(*Tpetra::getDefaultComm(), 0, Teuchos::outArg(first));
   TEST_EQUALITY(first, sum);
+}
+
+// Tied and contact interfaces, lists of any length, nodes in several pairs: the numbers and values of the serial reference.
+TEUCHOS_UNIT_TEST(MultiplierMap, RowsOfListsAreThoseOfTheReference) {
+  const auto comm = Tpetra::getDefaultComm();
+  for (bool frictional : {true, false}) {
+    const Scene scene = makeListScene(frictional);
+    const Dealt dealt = deal(comm, scene);
+    const MultiplierMap& m = *dealt.multipliers;
+    TEST_EQUALITY(GlobalOrdinal(m.map()->getGlobalNumElements()), scene.rows.numRows());
+    TEST_EQUALITY(m.numEquality(), scene.rows.numEquality);
+    const Dense B = denseB(scene), u = someColumns(B.cols(), 1);
+    Vector s(dealt.jump->getRangeMap());
+    dealt.jump->apply(*scatteredColumns(dealt.jump->getDomainMap(), u), s);
+    TEST_ASSERT(largest(gathered(s) - B * u) < 1e-14);
+    std::array<int, 5> seen{};
+    for (int row = 0; row < int(m.kinds().size()); ++row) {
+      const auto global = std::size_t(m.map()->getGlobalElement(row));
+      ++seen[std::size_t(m.kinds()[row])];
+      TEST_ASSERT(m.kinds()[row] == scene.rows.kinds[global] && m.pinned()[row] == scene.rows.pinned[global]);
+      TEST_ASSERT(std::abs(m.c()[row] - scene.rows.c[global]) < 1e-15);
+      TEST_EQUALITY(m.nodes()[row], scene.rows.node[global]);
+    }
+    for (const auto& pair : m.pairs()) {
+      const auto reference = *std::find_if(scene.rows.pairs.begin(), scene.rows.pairs.end(), [&](const PairRows& other) {
+        return other.interface == pair.interface && other.pair == pair.pair;
+      });
+      TEST_EQUALITY(m.map()->getGlobalElement(pair.normal), reference.normal);
+      for (int t = 0; t < 2; ++t)
+        TEST_EQUALITY(pair.tangential[t] < 0 ? -1 : m.map()->getGlobalElement(pair.tangential[t]), reference.tangential[t]);
+      TEST_EQUALITY(pair.geometry.primary.size(), reference.geometry.primary.size());
+    }
+    std::array<int, 5> all{};
+    Teuchos::reduceAll(*comm, Teuchos::REDUCE_SUM, 5, seen.data(), all.data());
+    TEST_ASSERT(all[int(RowKind::Tied)] > 3 && all[int(RowKind::Normal)] > 3);
+    TEST_EQUALITY(all[int(RowKind::Tangential)], frictional ? 2 * all[int(RowKind::Normal)] : 0);
+  }
+}
+
+// Gluing and Dirichlet rows of a node, and the rows of a pair, lie on one rank; node to node the pair's are where its nodes' are.
+TEUCHOS_UNIT_TEST(MultiplierMap, RowsOfOneNodeOrPairHaveOneOwner) {
+  const auto comm = Tpetra::getDefaultComm();
+  SceneOptions options = clamped(9);
+  const Scene scene = makeScene(options);
+  const Dealt dealt = deal(comm, scene);
+  const MultiplierMap& m = *dealt.multipliers;
+  std::vector<int> owner(scene.mesh.numNodes(), 0), all(owner);  // 1 + the rank
+  for (const auto& rows : m.nodeRows()) owner[std::size_t(rows.node)] = 1 + comm->getRank();
+  Teuchos::reduceAll(*comm, Teuchos::REDUCE_SUM, int(owner.size()), owner.data(), all.data());
+  for (std::size_t i = 0; i < m.kinds().size(); ++i)
+    if (isEquality(m.kinds()[i])) TEST_EQUALITY(all[std::size_t(m.nodes()[i])], 1 + comm->getRank());
+  for (int row = 0; row < int(m.kinds().size()); ++row)
+    TEST_EQUALITY(dealt.rankOf[std::size_t(scene.rows.owner[std::size_t(m.map()->getGlobalElement(row))])], comm->getRank());
+  for (const auto& pair : m.pairs())
+    for (const auto* side : {&pair.geometry.secondary, &pair.geometry.primary})
+      if (all[std::size_t(side->front().node)] > 0) TEST_EQUALITY(all[std::size_t(side->front().node)], 1 + comm->getRank());
 }

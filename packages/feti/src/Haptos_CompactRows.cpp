@@ -20,7 +20,8 @@ RCP<const Map> keptMap(const Map& map, const std::vector<char>& isKept, std::siz
 }  // namespace
 
 CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<char>& isKept, Eigen::Index size,
-                         const std::function<Eigen::Index(int, int)>& place)
+                         const std::function<Eigen::Index(int, int)>& place,
+                         const std::function<double(const MultiplierMap::OverlapEntry&)>& scale)
     : size_(size) {
   const Map& overlap = *multipliers.overlapMap();
   const std::size_t owned = multipliers.remote().numOwned();
@@ -35,7 +36,7 @@ CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<cha
   for (const auto& entry : multipliers.overlapEntries()) {
     if (!isKept[std::size_t(entry.row)]) continue;
     const Eigen::Index position = place(entry.subdomain, entry.dof);
-    if (position >= 0) entries_.push_back({number[std::size_t(entry.row)], int(position), entry.value / entry.weight});
+    if (position >= 0) entries_.push_back({number[std::size_t(entry.row)], int(position), entry.value * scale(entry)});
   }
 }
 

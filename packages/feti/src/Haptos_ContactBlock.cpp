@@ -4,15 +4,14 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
-#include <numeric>
+#include <map>
 #include <set>
+#include <utility>
 
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
 namespace {
-
-using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
 // What some rank marks, all ranks that have the row see; [overlap rows].  Collective.
 std::vector<char> shareMarks(const MultiplierMap& multipliers, const std::vector<char>& mine) {
@@ -28,17 +27,24 @@ std::vector<char> shareMarks(const MultiplierMap& multipliers, const std::vector
   return all;
 }
 
-// A(rows, columns)
-RowMatrix submatrix(const RowMatrix& A, const std::vector<int>& rows, const std::vector<int>& columns) {
-  std::vector<int> position(std::size_t(A.cols()), -1);
-  for (std::size_t i = 0; i < columns.size(); ++i) position[std::size_t(columns[i])] = int(i);
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t i = 0; i < rows.size(); ++i)
-    for (RowMatrix::InnerIterator it(A, rows[i]); it; ++it)
-      if (position[std::size_t(it.col())] >= 0) triplets.emplace_back(int(i), position[std::size_t(it.col())], it.value());
-  RowMatrix part(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
-  part.setFromTriplets(triplets.begin(), triplets.end());
-  return part;
+// Where `some` stand in `all`; both ascend.
+std::vector<int> positionsIn(const std::vector<int>& all, const std::vector<int>& some) {
+  std::vector<int> positions;
+  for (int row : some) positions.push_back(int(std::lower_bound(all.begin(), all.end(), row) - all.begin()));
+  return positions;
+}
+
+// x at some positions of a longer vector, 0 elsewhere
+Eigen::VectorXd extended(const Eigen::VectorXd& x, const std::vector<int>& positions, std::size_t size) {
+  Eigen::VectorXd all = Eigen::VectorXd::Zero(Eigen::Index(size));
+  for (std::size_t i = 0; i < positions.size(); ++i) all[positions[i]] = x[Eigen::Index(i)];
+  return all;
+}
+
+Eigen::VectorXd restricted(const Eigen::VectorXd& all, const std::vector<int>& positions) {
+  Eigen::VectorXd x(Eigen::Index(positions.size()));
+  for (std::size_t i = 0; i < positions.size(); ++i) x[Eigen::Index(i)] = all[positions[i]];
+  return x;
 }
 
 Eigen::VectorXd columnOf(const MultiVector& x, std::size_t v) {
@@ -55,16 +61,16 @@ void update(const Teuchos::ArrayRCP<double>& y, double beta, double alpha, const
 
 ContactBlock::ContactBlock(RCP<const DualPreconditioner> preconditioner) : preconditioner_(std::move(preconditioner)) {
   findUnknowns(findNearRows());
-  gram_ = submatrix(preconditioner_->gram().inverse(), preconditioner_->jump().multipliers().contactRows(), near_->rows());
+  contact_ = positionsIn(pairs().rows(), preconditioner_->jump().multipliers().contactRows());
+  nearPairs_ = positionsIn(pairs().rows(), near_->rows());
 }
 
 std::vector<char> ContactBlock::findNearRows() {
   const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
   std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
-  for (int row : multipliers.contactRows()) {
-    marks[std::size_t(row)] = 1;
-    for (RowMatrix::InnerIterator it(preconditioner_->gram().inverse(), row); it; ++it) marks[std::size_t(it.col())] = 1;
-  }
+  for (const Coupling& coupling : multipliers.couplings())
+    for (int row : coupling.rows)
+      if (row >= 0 && coupling.meetsContact) marks[std::size_t(row)] = 1;
   return shareMarks(multipliers, marks);
 }
 
@@ -102,9 +108,14 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
       active_[c].push_back(member);
     }
   }
-  near_ = std::make_unique<CompactRows>(jump.multipliers(), isNear, size, [&](int subdomain, int dof) {
+  const auto place = [&](int subdomain, int dof) {
     const int member = subdomain - jump.firstSubdomain();
     return offset[std::size_t(member)] + positionOf[std::size_t(preconditioner_->systems()[member].congruenceClass)][std::size_t(dof)];
+  };
+  std::map<std::pair<int, int>, double> stiffness;  // mean over the copies: an entry is 1 / copies of what its row has at the node
+  for (const auto& copy : jump.multipliers().coupledCopies()) stiffness[{copy.subdomain, copy.localNode}] = copy.meanStiffness;
+  near_ = std::make_unique<CompactRows>(jump.multipliers(), isNear, size, place, [&](const MultiplierMap::OverlapEntry& entry) {
+    return 1.0 / stiffness.at({entry.subdomain, entry.dof / 3});
   });
 }
 
@@ -132,18 +143,20 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
 
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    Eigen::VectorXd t = near_->spread(gram_.transpose() * columnOf(x, v));
+    const Eigen::VectorXd forces = pairs().solve(extended(columnOf(x, v), contact_, pairs().rows().size()));
+    Eigen::VectorXd t = near_->spread(restricted(forces, nearPairs_));
     applyLocal(t);
     update(y.getDataNonConst(v), beta, alpha, collect(t));
   }
 }
 
+Eigen::VectorXd ContactBlock::collect(const Eigen::VectorXd& t) const {
+  return restricted(pairs().solve(extended(near_->collect(t), nearPairs_, pairs().rows().size())), contact_);
+}
+
 ContactRows::ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block)
     : preconditioner_(std::move(preconditioner)), block_(std::move(block)) {
   findTouchingRows();
-  std::vector<int> owned(preconditioner_->jump().multipliers().kinds().size());
-  std::iota(owned.begin(), owned.end(), 0);
-  gram_ = submatrix(preconditioner_->gram().inverse(), touching_->rows(), owned);
 }
 
 // The compact vector holds the boundaries of a class's active members one after another.
@@ -173,12 +186,15 @@ void ContactRows::findTouchingRows() {
   std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
   for (const auto& entry : multipliers.overlapEntries())
     if (place(entry.subdomain, entry.dof) >= 0) marks[std::size_t(entry.row)] = 1;
-  touching_ = std::make_unique<CompactRows>(multipliers, shareMarks(multipliers, marks), size, place);
+  touching_ = std::make_unique<CompactRows>(multipliers, shareMarks(multipliers, marks), size, place,
+                                            [](const MultiplierMap::OverlapEntry& entry) { return 1.0 / entry.weight; });
 }
 
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  for (std::size_t v = 0; v < x.getNumVectors(); ++v)
-    update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(touching_->spread(gram_ * columnOf(x, v)))));
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+    const Eigen::VectorXd weighted = preconditioner_->gram().multiply(columnOf(x, v));
+    update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(touching_->spread(restricted(weighted, touching_->rows())))));
+  }
 }
 
 // S t of the active members, at the unknowns that contact rows meet.

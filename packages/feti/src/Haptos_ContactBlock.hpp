@@ -11,7 +11,8 @@ namespace Haptos {
 
 /// \brief M_cc: the block of the Dirichlet preconditioner between contact rows, far cheaper than M.
 ///
-/// Only subdomains with contact nodes take part, each with the dense part S_cc of its Schur complement, shared by
+/// B_D^T of a vector on contact rows alone needs no gluing rows: it gives all copies of a node the same, (C^T S^-1 x)_n / (sum of
+/// their stiffness weights), S and C as in `CouplingGram`.  Only subdomains with contact nodes take part, each with the dense part S_cc of its Schur complement, shared by
 /// congruent ones.  Contact nodes beyond `kLargestDense` unknowns a subdomain are not worth a dense S_cc: such a
 /// subdomain applies all of S.  Its map is that of the contact rows, `MultiplierMap::contactMap`.
 class ContactBlock final : public Operator {
@@ -25,7 +26,7 @@ class ContactBlock final : public Operator {
   RCP<const Map> getRangeMap() const override { return preconditioner_->jump().multipliers().contactMap(); }
   bool hasTransposeApply() const override { return true; }
 
-  /// Collective: one Import, one Export.
+  /// Collective: one Import, one Export, and two of S where its rows lie on several ranks.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
@@ -37,18 +38,19 @@ class ContactBlock final : public Operator {
   /// \brief B_D t on contact rows.
   ///
   /// \param t the classes' [unknowns x active members] one after another.  \return [owned contact rows].  Collective.
-  Eigen::VectorXd collect(const Eigen::VectorXd& t) const { return gram_ * near_->collect(t); }
+  Eigen::VectorXd collect(const Eigen::VectorXd& t) const;
   /// @}
 
  private:
   std::vector<char> findNearRows();
   void findUnknowns(const std::vector<char>& isNear);
+  const CouplingGram& pairs() const { return preconditioner_->gram().pairs(); }
   DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::VectorXd& t) const;
 
   RCP<const DualPreconditioner> preconditioner_;
-  std::unique_ptr<const CompactRows> near_;   // rows that share a node with a contact row: B_D couples those and no others
-  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [contact rows x near rows] (B W B^T)^+
+  std::unique_ptr<const CompactRows> near_;   // contact rows, and tied ones that S couples with them
+  std::vector<int> contact_, nearPairs_;      // positions of contact rows, and of near ones, among the rows of CouplingGram
   std::vector<std::vector<int>> active_;      // [classes] local subdomains with contact nodes
   std::vector<std::vector<int>> unknowns_;    // [classes] positions in the boundary list, union over the members
   std::vector<DenseSymmetric> dense_;         // [classes] S_cc; empty where all of S is applied
@@ -76,8 +78,7 @@ class ContactRows final : public Operator {
 
   RCP<const DualPreconditioner> preconditioner_;
   RCP<const ContactBlock> block_;
-  std::unique_ptr<const CompactRows> touching_;        // rows with unknowns of active subdomains, all of their boundaries
-  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_;  // [touching x owned rows] (B W B^T)^+
+  std::unique_ptr<const CompactRows> touching_;  // rows with unknowns of active subdomains, all of their boundaries
 };
 
 }  // namespace Haptos

@@ -97,10 +97,8 @@ RCP<Vector> DualPreconditioner::diagonal() const {
   }
   remoteRows.addToOwners(remote, *result);
   const auto data = result->getDataNonConst(0);
-  for (Eigen::Index row = 0; row < gram_.inverse().rows(); ++row) {
-    const double g = gram_.inverse().coeff(row, row);
-    data[row] *= g * g;
-  }
+  const Eigen::VectorXd inverse = gram_.diagonal();
+  for (Eigen::Index row = 0; row < inverse.size(); ++row) data[row] *= inverse[row] * inverse[row];
   return result;
 }
 

@@ -1,108 +1,135 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RowGram.hpp"
 
+#include <Eigen/Core>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
-#include <numeric>
+#include <cmath>
 
-#include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
 namespace {
 
-struct Touch {
-  std::uint64_t dof;  // subdomain and degree of freedom
-  int row;
-  double scaled;  // value * sqrt(W)
-};
-
-std::vector<Touch> sortedTouches(const MultiplierMap& multipliers, bool stiffnessScaling) {
-  std::vector<Touch> touches;
-  const auto& offsets = multipliers.ownedOffsets();
-  for (std::size_t row = 0; row + 1 < offsets.size(); ++row)
-    for (auto k = offsets[row]; k < offsets[row + 1]; ++k) {
-      const RowEntry& entry = multipliers.ownedEntries()[k];
-      const double w = stiffnessScaling ? 1.0 / entry.weight : 1.0;
-      touches.push_back({(std::uint64_t(entry.subdomain) << 32) | std::uint32_t(entry.dof), int(row), entry.value * std::sqrt(w)});
-    }
-  std::sort(touches.begin(), touches.end(), [](const Touch& a, const Touch& b) {
-    return a.dof != b.dof ? a.dof < b.dof : a.row < b.row;
-  });
-  return touches;
-}
-
-int findRoot(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
-}
-
-// Rows that are connected through shared degrees of freedom.
-std::vector<std::vector<int>> findBlocks(const std::vector<Touch>& touches, int rows) {
-  std::vector<int> parent(rows);
-  std::iota(parent.begin(), parent.end(), 0);
-  for (std::size_t i = 1; i < touches.size(); ++i)
-    if (touches[i].dof == touches[i - 1].dof) parent[findRoot(parent, touches[i].row)] = findRoot(parent, touches[i - 1].row);
-  std::vector<int> number(rows, -1);
-  std::vector<std::vector<int>> blocks;
-  for (int row = 0; row < rows; ++row) {
-    int& n = number[findRoot(parent, row)];
-    if (n < 0) {
-      n = int(blocks.size());
-      blocks.emplace_back();
-    }
-    blocks[n].push_back(row);
+// Gluing rows and, last, e.
+Eigen::MatrixXd orthonormalBasis(int mu) {
+  Eigen::MatrixXd Q = Eigen::MatrixXd::Zero(mu, mu);
+  for (int j = 1; j < mu; ++j) {
+    const double norm = std::sqrt(double(j) * (j + 1));
+    for (int i = 0; i < j; ++i) Q(j - 1, i) = 1.0 / norm;
+    Q(j - 1, j) = -j / norm;
   }
-  return blocks;
-}
-
-Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
-  constexpr double kDependent = 1e-10;
-  Eigen::VectorXd d = A.diagonal();
-  for (auto& value : d) value = value > 0 ? 1.0 / std::sqrt(value) : 0.0;
-  A = d.asDiagonal() * A * d.asDiagonal();
-  const SymmetricEigen eigen(A);
-  Eigen::VectorXd inverse = eigen.values;
-  for (auto& value : inverse) value = value > kDependent ? 1.0 / value : 0.0;
-  return d.asDiagonal() * (eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose()) * d.asDiagonal();
+  if (mu > 0) Q.row(mu - 1).setConstant(1.0 / std::sqrt(double(mu)));
+  return Q;
 }
 
 }  // namespace
 
-RowGram::RowGram(const MultiplierMap& multipliers, bool stiffnessScaling) {
-  const int rows = int(multipliers.ownedOffsets().size()) - 1;
-  const auto touches = sortedTouches(multipliers, stiffnessScaling);
-  Eigen::SparseMatrix<double> gram(rows, rows);
-  std::vector<Eigen::Triplet<double>> triplets;
-  for (std::size_t i = 0, j; i < touches.size(); i = j) {
-    for (j = i; j < touches.size() && touches[j].dof == touches[i].dof;) ++j;
-    for (auto a = i; a < j; ++a)
-      for (auto b = i; b < j; ++b) triplets.emplace_back(touches[a].row, touches[b].row, touches[a].scaled * touches[b].scaled);
+RowGram::RowGram(const MultiplierMap& multipliers, bool stiffnessScaling)
+    : pairs_(multipliers, stiffnessScaling), numRows_(Eigen::Index(multipliers.kinds().size())) {
+  const auto& nodes = multipliers.nodeRows();
+  std::size_t coupled = 0;
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const NodeRows& node = nodes[i];
+    const bool isCoupled = coupled < pairs_.nodes().size() && pairs_.nodes()[coupled] == int(i);
+    blocks_.push_back({node.gluing, node.copies, node.dirichlet, H_.size(), isCoupled ? int(coupled++) : -1});
+    mostCopies_ = std::max(mostCopies_, std::size_t(node.copies));
+    const Eigen::MatrixXd Q = orthonormalBasis(node.copies);
+    Eigen::VectorXd K = Eigen::VectorXd::Ones(node.copies);
+    if (stiffnessScaling) K = Eigen::Map<const Eigen::VectorXd>(multipliers.copyStiffness().data() + node.first, node.copies);
+    const Eigen::MatrixXd H = Q * K.asDiagonal() * Q.transpose();
+    H_.insert(H_.end(), H.data(), H.data() + H.size());
   }
-  gram.setFromTriplets(triplets.begin(), triplets.end());
-  triplets.clear();
-  for (const auto& block : findBlocks(touches, rows)) {
-    const int n = int(block.size());
-    Eigen::MatrixXd A(n, n);
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j) A(i, j) = gram.coeff(block[i], block[j]);
-    const Eigen::MatrixXd inverse = pseudoInverse(std::move(A));
-    const double negligible = 1e-15 * inverse.cwiseAbs().maxCoeff();
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        if (std::abs(inverse(i, j)) > negligible) triplets.emplace_back(block[i], block[j], inverse(i, j));
+}
+
+// z := q^T x_g of the nodes that pairs act on; prescribed components stay 0
+void RowGram::collectMeans(const double* x, Eigen::VectorXd& z) const {
+  for (const Block& block : blocks_) {
+    if (block.coupled < 0) continue;
+    const double* h = edge(block);
+    const int m = block.copies - 1;
+    for (int d = 0; d < 3; ++d) {
+      if (block.dirichlet[std::size_t(d)] >= 0) continue;
+      double sum = 0;
+      for (int j = 0; j < m; ++j) sum += h[j] * x[block.gluing + 3 * j + d];
+      z[3 * block.coupled + d] = sum / (h[m] * std::sqrt(double(block.copies)));
+    }
   }
-  inverse_.resize(rows, rows);
-  inverse_.setFromTriplets(triplets.begin(), triplets.end());
+}
+
+void RowGram::applyBlock(const Block& block, const Eigen::VectorXd& g, const double* x, double* y, double* v) const {
+  const int mu = block.copies, m = mu - 1;
+  if (mu == 0) {
+    for (int row : block.dirichlet)
+      if (row >= 0) y[row] = 0;  // no element has the node
+    return;
+  }
+  const double* H = H_.data() + block.at;
+  const double* h = edge(block);
+  for (int d = 0; d < 3; ++d) {
+    const int dirichlet = block.dirichlet[std::size_t(d)];
+    for (int j = 0; j < m; ++j) v[j] = x[block.gluing + 3 * j + d];
+    if (dirichlet >= 0) {
+      v[m] = x[dirichlet];
+    } else {  // (H_gg - H_ge H_eg / h_ee) x_g + q g  is  H_gg x_g + H_ge (last entry)
+      v[m] = block.coupled < 0 ? 0.0 : g[3 * block.coupled + d] / (h[m] * std::sqrt(double(mu)));
+      for (int j = 0; j < m; ++j) v[m] -= h[j] * v[j] / h[m];
+    }
+    for (int i = 0; i < mu; ++i) {
+      if (i == m && dirichlet < 0) break;
+      double sum = 0;
+      for (int j = 0; j < mu; ++j) sum += H[i * mu + j] * v[j];
+      y[i < m ? block.gluing + 3 * i + d : dirichlet] = sum;
+    }
+  }
+}
+
+void RowGram::applyTo(const double* x, double* y) const {
+  const auto& rows = pairs_.rows();
+  Eigen::VectorXd contact(Eigen::Index(rows.size())), g = Eigen::VectorXd::Zero(3 * Eigen::Index(pairs_.nodes().size()));
+  for (std::size_t i = 0; i < rows.size(); ++i) contact[Eigen::Index(i)] = x[rows[i]];
+  collectMeans(x, g);
+  pairs_.solve(contact, g);
+  std::vector<double> scratch(mostCopies_);
+  for (const Block& block : blocks_) applyBlock(block, g, x, y, scratch.data());
+  for (std::size_t i = 0; i < rows.size(); ++i) y[rows[i]] = contact[Eigen::Index(i)];
+}
+
+Eigen::VectorXd RowGram::multiply(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd y(numRows_);
+  applyTo(x.data(), y.data());
+  return y;
 }
 
 void RowGram::apply(const MultiVector& x, MultiVector& y) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const auto in = x.getData(v);
-    const Eigen::VectorXd product = inverse_ * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size());
     const auto out = y.getDataNonConst(v);
-    Eigen::Map<Eigen::VectorXd>(out.getRawPtr(), out.size()) = product;
+    applyTo(in.getRawPtr(), out.getRawPtr());
   }
+}
+
+Eigen::VectorXd RowGram::diagonal() const {
+  Eigen::VectorXd result = Eigen::VectorXd::Zero(numRows_);
+  for (std::size_t i = 0; i < pairs_.rows().size(); ++i) result[pairs_.rows()[i]] = pairs_.rowDiagonal()[Eigen::Index(i)];
+  for (const Block& block : blocks_) {
+    const int mu = block.copies, m = mu - 1;
+    for (int d = 0; d < 3 && mu > 0; ++d) {
+      const double* H = H_.data() + block.at;
+      const double* h = edge(block);
+      const int dirichlet = block.dirichlet[std::size_t(d)];
+      if (dirichlet >= 0) result[dirichlet] = h[m];
+      for (int i = 0; i < m; ++i) {
+        double value = H[i * mu + i];
+        const double q = h[i] / h[m];
+        if (dirichlet < 0) value -= h[i] * q;
+        if (dirichlet < 0 && block.coupled >= 0) value += q * q / mu * pairs_.nodeDiagonal()[3 * block.coupled + d];
+        result[block.gluing + 3 * i + d] = value;
+      }
+    }
+  }
+  return result;
 }
 
 }  // namespace Haptos

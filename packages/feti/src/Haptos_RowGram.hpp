@@ -1,28 +1,55 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/SparseCore>
+#include <array>
 #include <vector>
 
-#include "Haptos_MultiplierMap.hpp"
+#include "Haptos_CouplingGram.hpp"
 
 namespace Haptos {
 
-/// \brief (B W B^T)^+ on the owned rows, with W = 1 / (stiffness weight of the node in the subdomain).
+/// \brief (B W B^T)^-1 on the owned rows, with W = 1 / (stiffness weight k_i of the node in the subdomain).
 ///
-/// B W B^T is block diagonal: rows couple only where they share a degree of freedom, and such rows lie on one
-/// rank.  Blocks are scaled to unit diagonal and inverted on the part of their spectrum above 1e-10, so dependent
-/// rows do no harm; an empty (pinned) row gives zero.  Nothing communicates.
+/// At a node the gluing rows Q and e = (1, .., 1) / sqrt(mu) are an orthonormal basis, H = [Q; e^T] K [Q; e^T]^T with K = diag(k_i)
+/// is the inverse of that basis' Gram matrix.  A prescribed component has the Dirichlet row e: y = H x.  Rows of pairs act on
+/// e alone, as C / sqrt(mu); the gluing rows of the others are eliminated, which leaves S (`CouplingGram`):
+///
+///   q = H_ge / (h_ee sqrt(mu)),   y_c = S^-1 (x_c + C q^T x_g),   y_g = (H_gg - H_ge H_eg / h_ee) x_g + q C^T y_c
+///
+/// An empty (pinned) row gives zero.  Source: Rixen and Farhat 1999 (scaling); decision 023-rows-of-pairs-on-nodes.
 class RowGram {
  public:
+  /// Collective.
   explicit RowGram(const MultiplierMap& multipliers, bool stiffnessScaling = true);
 
-  /// \brief y := (B W B^T)^+ x; may be done in place.
+  /// \brief y := (B W B^T)^-1 x; may be done in place.  Collective where rows of pairs meet across ranks, else nothing communicates.
   void apply(const MultiVector& x, MultiVector& y) const;
+  /// \brief The same for one vector of the owned rows.
+  Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
 
-  const Eigen::SparseMatrix<double, Eigen::RowMajor>& inverse() const { return inverse_; }
+  const CouplingGram& pairs() const { return pairs_; }
+
+  /// \brief Of the inverse, [owned rows]; as CouplingGram has it where pairs act.
+  Eigen::VectorXd diagonal() const;
 
  private:
-  Eigen::SparseMatrix<double, Eigen::RowMajor> inverse_;
+  // One node: H is [copies x copies] from `at` on.
+  struct Block {
+    int gluing, copies;
+    std::array<int, 3> dirichlet;
+    std::size_t at;
+    int coupled;  // position among CouplingGram's nodes; -1: no pair acts on it
+  };
+
+  const double* edge(const Block& block) const { return H_.data() + block.at + std::size_t(block.copies) * std::size_t(block.copies - 1); }
+  void collectMeans(const double* x, Eigen::VectorXd& z) const;
+  void applyBlock(const Block& block, const Eigen::VectorXd& g, const double* x, double* y, double* scratch) const;
+  void applyTo(const double* x, double* y) const;
+
+  CouplingGram pairs_;
+  std::vector<Block> blocks_;
+  std::vector<double> H_;
+  std::size_t mostCopies_ = 1;
+  Eigen::Index numRows_;
 };
 
 }  // namespace Haptos

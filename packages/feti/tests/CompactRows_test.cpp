@@ -28,7 +28,7 @@ struct Compact {
       kept.push_back(isKept(multipliers.overlapMap()->getGlobalElement(int(row))));
     rows = std::make_unique<CompactRows>(multipliers, kept, Eigen::Index(offsets.back()), [&](int subdomain, int dof) {
       return isPlaced(subdomain, dof) ? Eigen::Index(offsets[std::size_t(subdomain - dealt.first)]) + dof : -1;
-    });
+    }, [](const MultiplierMap::OverlapEntry& entry) { return 1.0 / entry.weight; });
   }
   GlobalOrdinal global(std::size_t i) const { return dealt.multipliers->map()->getGlobalElement(rows->rows()[i]); }
 };

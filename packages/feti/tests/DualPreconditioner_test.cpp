@@ -5,11 +5,9 @@
 #include <Tpetra_Core.hpp>
 
 #include <cmath>
-#include <set>
 
-#include "FetiScene.hpp"
+#include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
-#include "Haptos_SubdomainSurface.hpp"
 
 namespace {
 
@@ -30,59 +28,6 @@ Scene sceneHeldInside() {
   const auto outside = options.hold;
   options.hold = [outside](int body, const Point& x) { return x[0] > 0.2 && body == 1 ? std::string("y") : outside(body, x); };
   return makeScene(options);
-}
-
-// Unknowns of the surface and of nodes that rows touch.
-std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
-  const auto surface = surfaceDofs(sub.groups, sub.numNodes());
-  std::set<int> all(surface.begin(), surface.end());
-  for (const auto& entry : scene.rows.entries)
-    for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
-  return {all.begin(), all.end()};
-}
-
-// W: 1 / weight where B has an entry, 0 elsewhere.
-Eigen::VectorXd denseW(const Scene& scene) {
-  const auto offsets = scene.offsets();
-  Eigen::VectorXd w = Eigen::VectorXd::Zero(offsets.back());
-  for (const auto& entry : scene.rows.entries) w[offsets[entry.subdomain] + entry.dof] = 1.0 / entry.weight;
-  return w;
-}
-
-// Schur complement on the surface, or its block of K; zero elsewhere.
-Dense denseS(const std::vector<int>& boundary, const Dense& K, PreconditionerKind kind) {
-  std::vector<char> on(K.rows(), 0);
-  for (int i : boundary) on[i] = 1;
-  std::vector<int> interior;
-  for (int i = 0; i < K.rows(); ++i)
-    if (!on[i]) interior.push_back(i);
-  const Eigen::Index nb = Eigen::Index(boundary.size()), ni = Eigen::Index(interior.size());
-  Dense Kbb(nb, nb), Kib(ni, nb), Kii(ni, ni);
-  for (Eigen::Index j = 0; j < nb; ++j) {
-    for (Eigen::Index i = 0; i < nb; ++i) Kbb(i, j) = K(boundary[i], boundary[j]);
-    for (Eigen::Index i = 0; i < ni; ++i) Kib(i, j) = K(interior[i], boundary[j]);
-  }
-  for (Eigen::Index j = 0; j < ni; ++j)
-    for (Eigen::Index i = 0; i < ni; ++i) Kii(i, j) = K(interior[i], interior[j]);
-  if (kind == PreconditionerKind::Dirichlet && ni > 0) Kbb -= Kib.transpose() * Kii.ldlt().solve(Kib);
-  Dense S = Dense::Zero(K.rows(), K.rows());
-  for (Eigen::Index j = 0; j < nb; ++j)
-    for (Eigen::Index i = 0; i < nb; ++i) S(boundary[i], boundary[j]) = Kbb(i, j);
-  return S;
-}
-
-Dense denseM(const Scene& scene, PreconditionerKind kind) {
-  const Dense B = denseB(scene);
-  const Dense BW = B * denseW(scene).asDiagonal();
-  const Dense BD = densePseudoInverse(BW * B.transpose()) * BW;
-  const auto K = denseStiffness(scene);
-  const auto offsets = scene.offsets();
-  Dense M = Dense::Zero(B.rows(), B.rows());
-  for (std::size_t s = 0; s < K.size(); ++s) {
-    const Dense D = BD.middleCols(offsets[s], K[s].rows());
-    M += D * denseS(boundaryOf(scene, scene.subdomains[s]), K[s], kind) * D.transpose();
-  }
-  return M;
 }
 
 constexpr double kSingle = 2e-6;  // what single precision leaves of an entry, in parts of the largest

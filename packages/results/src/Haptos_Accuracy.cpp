@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numeric>
 
 #include "Haptos_StiffnessAssembler.hpp"
@@ -109,19 +108,13 @@ LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const C
 
 LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda) {
   const auto data = lambda.getData(0);
-  std::map<std::int64_t, double> squared;  // mesh node -> |reaction|^2; all rows of a node lie on one rank
-  auto at = squared.end();                 // most rows follow others of their node
-  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row) {
-    if (multipliers.kinds()[row] != RowKind::Dirichlet) continue;
-    const auto node = multipliers.nodes()[row];
-    if (at == squared.end() || at->first != node) at = squared.try_emplace(node, 0.0).first;
-    const double copies = double(multipliers.ownedOffsets()[row + 1] - multipliers.ownedOffsets()[row]);
-    at->second += copies * data[row] * data[row];  // each copy gets lambda / sqrt(copies)
-  }
   LocalReactions result;
-  for (const auto& [node, value] : squared) {
-    result.squares += value;
-    result.largest = std::max(result.largest, std::sqrt(value));
+  for (const NodeRows& node : multipliers.nodeRows()) {
+    double squared = 0;
+    for (int row : node.dirichlet)
+      if (row >= 0) squared += double(node.copies) * data[row] * data[row];  // each copy gets lambda / sqrt(copies)
+    result.squares += squared;
+    result.largest = std::max(result.largest, std::sqrt(squared));
   }
   return result;
 }

@@ -17,6 +17,7 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   result.interface = interface;
   result.pair = pair;
   result.secondaryNode = geometry.secondaryNode;
+  result.area = geometry.area;
   result.axis = geometry.frame.t1;
   result.normal = geometry.frame.normal;
   result.secondary = geometry.secondary;
@@ -39,15 +40,7 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
   return result;
 }
 
-// lambda of a row that ties one component of a pair, which the order of the rows tells.
-struct TiedForce {
-  GlobalOrdinal row;
-  std::int64_t node;  // secondary
-  int component;
-  double value;
-};
-
-// The pairs of all ranks, on rank 0.  Collective.
+// The pairs of all ranks, on rank 0 in the order of interfaces and pairs.  Collective.
 std::vector<PairResult> allOnRoot(const Communicator& comm, const std::vector<PairResult>& mine) {
   ByteWriter writer;
   for (const PairResult& pair : mine) {
@@ -59,25 +52,9 @@ std::vector<PairResult> allOnRoot(const Communicator& comm, const std::vector<Pa
   for (const auto& message : gatherOnRoot(comm, writer.take()))
     for (ByteReader reader(message); !reader.atEnd();)
       all.push_back({reader.read<PairState>(), reader.readVector<NodeWeight>(), reader.readVector<NodeWeight>()});
-  return all;
-}
-
-std::vector<TiedForce> gatherTiedForces(const MultiplierMap& multipliers, const Vector& lambda) {
-  const auto l = lambda.getData(0);
-  std::vector<TiedForce> mine;
-  for (std::size_t row = 0; row < multipliers.kinds().size(); ++row) {
-    if (multipliers.kinds()[row] != RowKind::Tied) continue;
-    const RowEntry& entry = multipliers.ownedEntries()[multipliers.ownedOffsets()[row]];
-    mine.push_back({multipliers.map()->getGlobalElement(int(row)), multipliers.nodes()[row], entry.dof % 3, l[row]});
-  }
-  ByteWriter writer;
-  writer.write(mine);
-  std::vector<TiedForce> all;
-  for (const auto& message : gatherOnRoot(*multipliers.map()->getComm(), writer.take())) {
-    const auto part = ByteReader(message).readVector<TiedForce>();
-    all.insert(all.end(), part.begin(), part.end());
-  }
-  std::sort(all.begin(), all.end(), [](const TiedForce& a, const TiedForce& b) { return a.row < b.row; });
+  std::sort(all.begin(), all.end(), [](const PairResult& a, const PairResult& b) {
+    return a.interface != b.interface ? a.interface < b.interface : a.pair < b.pair;
+  });
   return all;
 }
 
@@ -92,21 +69,17 @@ void describeTied(const ContactPair& geometry, const std::array<double, 3>& forc
 
 }  // namespace
 
-std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const std::vector<ContactInterface>& interfaces,
-                                          const Vector& lambda) {
-  const auto forces = gatherTiedForces(multipliers, lambda);
-  auto next = forces.begin();
-  std::vector<PairResult> results;
-  for (std::size_t k = 0; k < interfaces.size(); ++k)
-    for (std::size_t i = 0; i < interfaces[k].pairs.size() && interfaces[k].tied; ++i) {
-      const ContactPair& pair = interfaces[k].pairs[i];
-      std::array<double, 3> force{0, 0, 0};
-      for (int d = 0; d < 3; ++d)
-        if (next != forces.end() && next->node == pair.secondaryNode && next->component == d) force[d] = -(next++)->value;
-      results.push_back(startResult(pair, int(k), int(i)));
-      describeTied(pair, force, results.back());
-    }
-  return results;
+std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const Vector& lambda) {
+  const auto l = lambda.getData(0);
+  std::vector<PairResult> mine;
+  for (const TiedPair& pair : multipliers.tiedPairs()) {
+    std::array<double, 3> force{0, 0, 0};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (pair.rows[d] >= 0) force[d] = -l[pair.rows[d]];
+    mine.push_back(startResult(pair.geometry, pair.interface, pair.pair));
+    describeTied(pair.geometry, force, mine.back());
+  }
+  return allOnRoot(*multipliers.map()->getComm(), mine);
 }
 
 void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
@@ -137,11 +110,7 @@ std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, c
   for (std::size_t i = 0; i < law.pairs().size(); ++i)
     mine.push_back(describePair(multipliers.pairs()[i], law.pairs()[i], ContactLaw::gather(law.pairs()[i], l.getRawPtr()),
                                 ContactLaw::gather(law.pairs()[i], jump.getRawPtr()), 1e-9 * forceScale));
-  auto all = allOnRoot(*multipliers.map()->getComm(), mine);
-  std::sort(all.begin(), all.end(), [](const PairResult& a, const PairResult& b) {
-    return a.interface != b.interface ? a.interface < b.interface : a.pair < b.pair;
-  });
-  return all;
+  return allOnRoot(*multipliers.map()->getComm(), mine);
 }
 
 std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, std::size_t numInterfaces) {

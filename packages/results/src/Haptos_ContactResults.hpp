@@ -19,7 +19,8 @@ struct PairState {
   std::array<double, 3> force; ///< on the secondary side: -(lambda_N n + lambda_T1 t1 + lambda_T2 t2)
   std::array<double, 3> tangentialForce;  ///< its tangential part
   double normalForce;          ///< lambda_N >= 0
-  double pressure;             ///< lambda_N / tributary area
+  double area;                 ///< tributary area
+  double pressure;             ///< lambda_N / area
   double gap;                  ///< d - N u: the opening that is left
   std::array<double, 3> slip;  ///< tangential part of u_secondary - u_primary
   std::array<double, 3> axis;    ///< t1
@@ -42,9 +43,7 @@ std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, c
 /// \brief The tied pairs of all ranks in the same way; a normal force < 0 pulls.  Slip is left to `setSlip`.  Collective.
 ///
 /// A component that is prescribed on both sides has no row, and no force here.
-/// \param interfaces on rank 0
-std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const std::vector<ContactInterface>& interfaces,
-                                          const Vector& lambda);
+std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const Vector& lambda);
 
 /// \brief Tangential part of u_secondary - u_primary for all pairs, also those without tangential rows.
 /// \param displacement [3 x nodes of this rank's range], mean of the copies

@@ -4,7 +4,10 @@
 #include <Teuchos_Comm.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <utility>
 
 #include "Haptos_Rendezvous.hpp"
 
@@ -20,7 +23,10 @@ struct SentElement {
 struct SentContact {
   std::int64_t node;
   double factor;  ///< of the pair's force
+  bool isSecondary;
   PairState pair;
+
+  bool isOwn() const { return isSecondary && node == pair.secondaryNode; }
 };
 
 using Values = std::vector<double>;
@@ -34,36 +40,64 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
   }
 }
 
-// Contact quantities on the nodes of a range; those of both sides of a pair get them, the primary ones the opposite force.
-struct ContactFields {
+// Contact quantities on the nodes of a range, the opposite force on the primary side.  A multiplier's own node shows what its pair
+// has; any other shows the mean pressure of the pairs that use it, and slip and axis of the one that uses it most.
+class ContactFields {
+ public:
+  explicit ContactFields(std::size_t n)
+      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0),
+        most_(n, 0.0) {}
+
   Values force, slip, axis, normalForce, pressure, gap, status;
 
-  explicit ContactFields(std::size_t n)
-      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0) {}
+  /// \param first node of the range
+  void add(const std::vector<SentContact>& items, std::int64_t first) {
+    std::vector<char> isOwn(most_.size(), 0);  // nodes that have a multiplier
+    for (const auto& item : items)
+      if (item.isOwn()) isOwn[std::size_t(item.node - first)] = 1;
+    for (const auto& item : items) {
+      const std::size_t i = std::size_t(item.node - first);
+      addForce(i, item);
+      if (item.isOwn()) describe(i, 1.0, item.pair);
+      else if (!item.isSecondary || !isOwn[i]) describe(i, std::abs(item.factor), item.pair);
+    }
+    for (const auto& [place, share] : shares_)
+      if (share[1] > 0) pressure[place.second] += share[0] / share[1];
+  }
 
-  void add(std::size_t i, double factor, const PairState& pair) {
-    for (int d = 0; d < 3; ++d) {
-      force[3 * i + d] += factor * pair.force[d];
+ private:
+  void addForce(std::size_t i, const SentContact& item) {
+    for (std::size_t d = 0; d < 3; ++d) force[3 * i + d] += item.factor * item.pair.force[d];
+    normalForce[i] += std::abs(item.factor) * item.pair.normalForce;
+  }
+
+  void describe(std::size_t i, double weight, const PairState& pair) {
+    auto& share = shares_[{pair.interface, i}];
+    share[0] += weight * pair.normalForce;
+    share[1] += weight * pair.area;
+    gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
+    status[i] = std::max(status[i], double(int(pair.status)));
+    if (weight < most_[i]) return;
+    most_[i] = weight;
+    for (std::size_t d = 0; d < 3; ++d) {
       slip[3 * i + d] = pair.slip[d];
       axis[3 * i + d] = pair.axis[d];
     }
-    normalForce[i] += std::abs(factor) * pair.normalForce;
-    pressure[i] += pair.pressure;
-    gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
-    status[i] = std::max(status[i], double(int(pair.status)));
   }
+
+  Values most_;  // largest weight so far
+  std::map<std::pair<int, std::size_t>, std::array<double, 2>> shares_;  // interface, node -> force and area
 };
 
 ContactFields makeContactFields(const Communicator& comm, const EvenRanges& nodes, const std::vector<PairResult>& pairs) {
   std::vector<SentContact> sent;
   for (const auto& pair : pairs) {
-    for (const auto& [node, weight] : pair.secondary) sent.push_back({node, +weight, pair});
-    for (const auto& [node, weight] : pair.primary) sent.push_back({node, -weight, pair});
+    for (const auto& [node, weight] : pair.secondary) sent.push_back({node, +weight, true, pair});
+    for (const auto& [node, weight] : pair.primary) sent.push_back({node, -weight, false, pair});
   }
   const int rank = comm.getRank();
   ContactFields fields(std::size_t(nodes.count(rank)));
-  for (const auto& s : sendItems(comm, sent, [&](const SentContact& c) { return nodes.owner(c.node); }))
-    fields.add(std::size_t(s.node - nodes.begin(rank)), s.factor, s.pair);
+  fields.add(sendItems(comm, sent, [&](const SentContact& c) { return nodes.owner(c.node); }), nodes.begin(rank));
   return fields;
 }
 

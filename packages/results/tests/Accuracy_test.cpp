@@ -3,6 +3,7 @@
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <set>
 
 #include "../../feti/tests/FetiScene.hpp"
 #include "Haptos_ContactResults.hpp"
@@ -195,4 +196,59 @@ TEUCHOS_UNIT_TEST(ContactResults, SlipIsTheTangentialJump) {
   const double slip[2][3] = {{-2, 3 - 0.6 * 4.2, 3 - 0.8 * 4.2}, {0, 4, 5}};
   for (std::size_t i = 0; i < pairs.size(); ++i)
     for (int d = 0; d < 3; ++d) TEST_ASSERT(std::abs(pairs[i].slip[d] - slip[i][d]) < 1e-14);
+}
+
+// Of pairs with lists: forces on nodes are B^T lambda, slips are what tangential rows measure, tied pairs among them.
+TEUCHOS_UNIT_TEST(ContactResults, ListsShareForcesAndSlips) {
+  const Scene scene = makeListScene();
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const MultiplierMap& multipliers = *feti.dealt.multipliers;
+  Eigen::VectorXd lambda = someVector(scene.rows.numRows());
+  for (Eigen::Index row = 0; row < lambda.size(); ++row)
+    if (scene.rows.pinned[std::size_t(row)] || scene.rows.kinds[std::size_t(row)] == RowKind::Gluing ||
+        scene.rows.kinds[std::size_t(row)] == RowKind::Dirichlet)
+      lambda[row] = 0;
+  const ContactLaw law = makeContactLaw(multipliers, std::vector<FrictionSpec>(3, {FrictionLaw::Coulomb, {0.3, 0.2}}));
+  Vector s(feti.map());
+  auto pairs = gatherContactResults(multipliers, law, *scattered(feti.map(), lambda), s, 1.0);
+  const auto tied = gatherTiedResults(multipliers, *scattered(feti.map(), lambda));
+  pairs.insert(pairs.end(), tied.begin(), tied.end());
+  std::vector<double> u(3 * scene.mesh.numNodes());
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] = std::sin(1.0 + 3.0 * double(i));
+  for (const auto& p : scene.prescribed) u[3 * std::size_t(p.node) + std::size_t(p.component)] = p.value;
+  const NodalGather gather(feti.comm, feti.dealt.mine, scene.mesh.numNodes());
+  const auto first = u.begin() + 3 * gather.firstNode();
+  setSlip(gather, {first, first + 3 * std::ptrdiff_t(gather.numNodes())}, pairs);
+  if (feti.comm->getRank() != 0) return;
+  std::size_t expected = 0;
+  for (const auto& interface : scene.interfaces) expected += interface.pairs.size();
+  TEST_EQUALITY(pairs.size(), expected);
+
+  std::set<std::pair<std::int64_t, int>> given;
+  for (const auto& p : scene.prescribed) given.insert({p.node, p.component});
+  const auto offsets = scene.offsets();
+  const Eigen::VectorXd f = -denseB(scene).transpose() * lambda;
+  Eigen::VectorXd nodal = Eigen::VectorXd::Zero(3 * Eigen::Index(scene.mesh.numNodes())), wanted = nodal;
+  for (const auto& sub : scene.subdomains)
+    for (int i = 0; i < sub.numNodes(); ++i) wanted.segment<3>(3 * sub.nodes[std::size_t(i)]) += f.segment<3>(offsets[std::size_t(sub.id)] + 3 * i);
+  for (const auto& pair : pairs)
+    for (const auto* side : {&pair.secondary, &pair.primary})
+      for (const auto& [node, weight] : *side)
+        for (int d = 0; d < 3; ++d)
+          if (!given.count({node, d})) nodal[3 * node + d] += (side == &pair.secondary ? weight : -weight) * pair.force[std::size_t(d)];
+  TEST_ASSERT(largest(wanted) > 0.1);
+  TEST_ASSERT(largest(nodal - wanted) < 1e-12);
+
+  Eigen::VectorXd copies(offsets.back());
+  for (const auto& sub : scene.subdomains)
+    for (int i = 0; i < sub.numDofs(); ++i) copies[offsets[std::size_t(sub.id)] + i] = u[3 * std::size_t(sub.nodes[std::size_t(i / 3)]) + std::size_t(i % 3)];
+  const Eigen::VectorXd jump = denseB(scene) * copies;
+  for (const auto& rows : scene.rows.pairs)
+    for (const auto& pair : pairs)
+      if (pair.interface == rows.interface && pair.pair == rows.pair)
+        for (int t = 0; t < 2; ++t) {
+          const auto& axis = t == 0 ? rows.geometry.frame.t1 : rows.geometry.frame.t2;
+          const double slip = Eigen::Map<const Eigen::Vector3d>(pair.slip.data()).dot(Eigen::Map<const Eigen::Vector3d>(axis.data()));
+          TEST_ASSERT(std::abs(slip - (jump[rows.tangential[t]] - scene.rows.c[std::size_t(rows.tangential[t])])) < 1e-12);
+        }
 }

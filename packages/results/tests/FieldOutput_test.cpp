@@ -135,3 +135,38 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
   TEST_EQUALITY(value("contact_gap", 2), 0.25);
   TEST_EQUALITY(value("friction_axis_x", 0), 1.0);
 }
+
+// Two pairs with lists: forces go by the weights, pressures are force by area of the pairs that use a node, or of its own pair.
+TEUCHOS_UNIT_TEST(ResultFields, ListsShareForceAndPressure) {
+  const auto comm = Tpetra::getDefaultComm();
+  const EvenRanges nodes{4, comm->getSize()};
+  std::vector<PairResult> pairs(2);
+  pairs[0].secondaryNode = 3;
+  pairs[0].secondary = {{3, 0.75}, {2, 0.25}};
+  pairs[0].primary = {{0, 0.4}, {1, 0.6}};
+  pairs[1].secondaryNode = 2;
+  pairs[1].secondary = {{2, 1.0}};
+  pairs[1].primary = {{1, 1.0}};
+  const double force[] = {10, 6}, area[] = {2, 3};
+  for (std::size_t i = 0; i < 2; ++i) {
+    pairs[i].normalForce = force[i];
+    pairs[i].area = area[i];
+    pairs[i].force = {0, 0, -force[i]};
+    pairs[i].slip = {double(i + 1), 0, 0};
+    pairs[i].status = ContactStatus::Slip;
+  }
+  if (comm->getRank() != 0) pairs.clear();
+  const std::vector<double> displacement(3 * std::size_t(nodes.count(comm->getRank())), 0.0);
+  ResultFields fields = makeResultFields(*comm, nodes, {displacement, pairs, {}, 1e-7, 42});
+  const auto check = [&](const std::string& name, const std::array<double, 4>& expected) {
+    for (auto& field : fields.nodal) {
+      if (field.first != name) continue;
+      const auto values = wholeOnRoot(*comm, field.second);
+      for (std::size_t i = 0; i < values.size(); ++i) TEST_ASSERT(std::abs(values[i] - expected[i]) < 1e-14);
+    }
+  };
+  check("contact_force_z", {4, 12, -8.5, -7.5});
+  check("contact_normal_force", {4, 12, 8.5, 7.5});
+  check("contact_pressure", {5, 12 / 4.2, 2, 5});
+  check("contact_slip_x", {1, 2, 2, 1});
+}

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_DistributedModel.hpp"
 
-#include <Teuchos_Comm.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <algorithm>
+#include <limits>
 
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
+#include "Haptos_ParameterValue.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 
 namespace Haptos {
@@ -114,6 +118,60 @@ void sendSubdomains(const Communicator& comm, const std::vector<int>& rankOf, Di
   for (int i = 0; i < count; ++i) model.subdomains.push_back(unpackSubdomain(reader));
 }
 
+RowSources rowSources(const DistributedModel& model) {
+  std::vector<double> youngsModulus;
+  for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
+  RowSources sources;
+  for (const auto& sub : model.subdomains) sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub, youngsModulus)});
+  sources.prescribed = model.global.prescribed;
+  sources.pairs = placedPairs(model.global.interfaces);
+  for (std::size_t k = 0; k < model.data.friction.size(); ++k) {
+    const FrictionSpec& spec = model.data.friction[k];
+    sources.interfaces.push_back({model.data.interfaceNames[k], spec.tied, spec.law != FrictionLaw::Frictionless});
+  }
+  return sources;
+}
+
+// The largest extent of all subdomains.  Collective.
+double sizeOf(const DistributedModel& model) {
+  std::array<double, 6> mine, all;  // highest coordinates, - lowest ones
+  mine.fill(-std::numeric_limits<double>::infinity());
+  for (const auto& sub : model.subdomains)
+    for (const auto& x : sub.coordinates)
+      for (std::size_t d = 0; d < 3; ++d) {
+        mine[d] = std::max(mine[d], x[d]);
+        mine[3 + d] = std::max(mine[3 + d], -x[d]);
+      }
+  Teuchos::reduceAll(*model.comm, Teuchos::REDUCE_MAX, 6, mine.data(), all.data());
+  return std::max({all[0] + all[3], all[1] + all[4], all[2] + all[5]});
+}
+
+// A pinned normal row cannot move: its data must already respect the gap.  The first pair that does not is told.  Collective.
+void checkPinnedRows(const DistributedModel& model) {
+  const MultiplierMap& rows = *model.multipliers;
+  const double size = sizeOf(model);
+  constexpr GlobalOrdinal kNone = std::numeric_limits<GlobalOrdinal>::max();
+  GlobalOrdinal mine = kNone, first = kNone;
+  double found[3] = {0, 0, 0}, all[3];  // node, interface, overlap
+  for (const auto& pair : rows.pairs()) {
+    const double c = rows.c()[std::size_t(pair.normal)];
+    if (!rows.pinned()[std::size_t(pair.normal)] || c >= -1e-9 * size || mine != kNone) continue;
+    mine = rows.map()->getGlobalElement(pair.normal);
+    found[0] = double(pair.geometry.secondaryNode);
+    found[1] = double(pair.interface);
+    found[2] = -c;
+  }
+  Teuchos::reduceAll(*model.comm, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(first));
+  if (first == kNone) return;
+  if (mine != first) std::fill(found, found + 3, 0.0);
+  Teuchos::reduceAll(*model.comm, Teuchos::REDUCE_SUM, 3, found, all);
+  runOnRoot(*model.comm, [&] {
+    throw InsufficientModel("The model has no solution: at " + describeNode(model.global.mesh, std::int64_t(all[0])) + " of contact '" +
+                            model.data.interfaceNames[std::size_t(all[1])] + "' the prescribed displacements make the surfaces overlap by " +
+                            numberText(all[2]) + ".");
+  });
+}
+
 }  // namespace
 
 DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
@@ -140,9 +198,9 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   unpackHeader(scatterFromRoot(*comm, headers), options, isReader, model);
   std::vector<int> rankOf;
   if (isReader) rankOf = dealToRanks(workOfSubdomains(model.global.subdomains), comm->getSize());
-  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, model.global.rows, rankOf));
-  model.global.rows = {};
   sendSubdomains(*comm, rankOf, model);
+  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model)));
+  checkPinnedRows(model);
   return model;
 }
 

@@ -133,18 +133,6 @@ void readContact(const std::vector<ContactOptions>& contacts, ModelData& data, G
   }
 }
 
-// A pinned normal row cannot move: its data must already respect the gap.
-void checkPinnedRows(const GlobalModel& model, const ModelData& data) {
-  double size = 0;
-  for (const auto& x : model.mesh.coordinates)
-    for (int d = 0; d < 3; ++d) size = std::max(size, std::abs(x[d] - model.mesh.coordinates.front()[d]));
-  for (const auto& pair : model.rows.pairs)
-    if (model.rows.pinned[pair.normal] && model.rows.c[pair.normal] < -1e-9 * size)
-      throw InsufficientModel("The model has no solution: at " + describeNode(model.mesh, pair.geometry.secondaryNode) + " of contact '" +
-                              data.interfaceNames[pair.interface] + "' the prescribed displacements make the surfaces overlap by " +
-                              numberText(-model.rows.c[pair.normal]) + ".");
-}
-
 std::vector<std::string> hingedBodies(const BodyPieces& pieces, const Bodies& bodies) {
   std::vector<int> count(bodies.names.size(), 0);
   for (const auto& elements : pieces.elements) ++count[std::size_t(bodies.ofElement[std::size_t(elements.front())])];
@@ -252,13 +240,6 @@ void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& p
   const bool comesInOrder = draft.options.method == PartitionMethod::Bricks;
   if (!comesInOrder) orderSubdomains(model.mesh, model.interfaces, model.partition);
   model.subdomains = extractSubdomains(model.mesh, model.partition, draft.materialOfBlock);
-
-  std::vector<char> frictional;
-  for (const auto& spec : data.friction) frictional.push_back(spec.law != FrictionLaw::Frictionless);
-  std::vector<double> youngsModulus;
-  for (const auto& material : data.materials) youngsModulus.push_back(material.youngsModulus);
-  model.rows = buildConstraintRows(model.mesh, model.subdomains, model.prescribed, model.interfaces, frictional, youngsModulus);
-  checkPinnedRows(model, data);
 }
 
 }  // namespace Haptos

@@ -41,14 +41,13 @@ struct ModelData {
   int mendedFragments = 0;
 };
 
-/// \brief What the reader holds beside: the mesh, its cut into subdomains, and all rows of B.
+/// \brief What the reader holds beside: the mesh, its cut into subdomains, what is prescribed and paired.
 struct GlobalModel {
   Mesh mesh;
   Partition partition;
   std::vector<Subdomain> subdomains;         ///< emptied once they are sent
   std::vector<ContactInterface> interfaces;
   std::vector<PrescribedDisplacement> prescribed;
-  ConstraintRows rows;
 };
 
 /// \brief A mesh with, for a generated one, its bricks.
@@ -77,7 +76,6 @@ struct ModelDraft {
 /// \throws InputError naming the parameter and what exists
 ModelDraft draftModel(const RunOptions& options, SourceMesh source, ModelData& data, GlobalModel& model);
 /// \param partsOfPieces from `cutOnRanks` of draft.plan.cuts
-/// \throws InsufficientModel for a violated pinned contact row
 void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model);
 /// @}
 

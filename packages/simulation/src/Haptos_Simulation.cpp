@@ -257,7 +257,7 @@ SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy
   system_->jump().apply(u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
   const double forceScale = contactForceScale(system_->law(), *result.dual.lambda, accuracy.scales.load);
   result.pairs = gatherContactResults(*model_->multipliers, system_->law(), *result.dual.lambda, jump, forceScale);
-  const auto tied = gatherTiedResults(*model_->multipliers, model_->global.interfaces, *result.dual.lambda);
+  const auto tied = gatherTiedResults(*model_->multipliers, *result.dual.lambda);
   result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
   result.displacement = gather_->copies(u).mean;
   setSlip(*gather_, result.displacement, result.pairs);

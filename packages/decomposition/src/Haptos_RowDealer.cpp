@@ -1,0 +1,425 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_RowDealer.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Exchange.hpp"
+#include "Haptos_Format.hpp"
+#include "Haptos_NodeDirectory.hpp"
+#include "Haptos_OrderedScan.hpp"
+
+namespace Haptos {
+namespace {
+
+using Labels = NodeDirectory::Labels;
+constexpr int kNone = std::numeric_limits<int>::max();
+constexpr double kRoundOff = 1e-12;  // of a unit vector: such entries would only hide an empty row
+
+// A pair at the rank that makes its rows.
+struct Draft {
+  PlacedPair placed;
+  std::vector<std::pair<int, double>> nodes;  // record, signed weight; every node once
+  std::array<std::array<double, 3>, 3> axes;
+  RowShare::Pair share;
+};
+
+// Everything that goes to one rank.
+struct Parcel {
+  ByteWriter nodes, pairs;
+  std::vector<RowShare::Copy> copies;
+  std::vector<RowShare::Entry> entries;
+  std::vector<CoupledCopy> coupled;
+};
+
+GlobalOrdinal sumOverRanks(const Communicator& comm, GlobalOrdinal mine) {
+  GlobalOrdinal sum = 0;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(sum));
+  return sum;
+}
+
+class RowDealer {
+ public:
+  RowDealer(const Communicator& comm, const RowSources& sources)
+      : comm_(comm), interfaces_(sources.interfaces), directory_(comm, sources), parcels_(std::size_t(comm.getSize())) {
+    learnRanks(sources);
+    takePairs(sources);
+    requireNodes();
+    findOwners();
+    for (Draft& draft : drafts_) makeRows(draft);
+    requireTiedValues();
+    findHolders();
+  }
+
+  RowShare deal() {
+    dealNodes();
+    numberPairs();
+    for (const Draft& draft : drafts_) dealPair(draft);
+    dealCoupledCopies();
+    return receive();
+  }
+
+ private:
+  void learnRanks(const RowSources& sources);
+  void takePairs(const RowSources& sources);
+  void requireNodes() const;
+  void findOwners();
+  void makeRows(Draft& draft) const;
+  void requireTiedValues() const;
+  void findHolders();
+  void dealNodes();
+  void dealNode(const NodeRecord& record, std::size_t index, GlobalOrdinal gluing, const std::array<GlobalOrdinal, 3>& dirichlet);
+  void numberPairs();
+  void numberTied(GlobalOrdinal first);
+  void dealPair(const Draft& draft);
+  void dealCoupledCopies();
+  RowShare receive();
+
+  std::vector<int> membersOf(const Draft& draft) const;
+  std::vector<GlobalOrdinal> placesOf(bool (*counts)(const InterfaceRows&), GlobalOrdinal& total) const;
+  int rankOfSubdomain(int subdomain) const {
+    return (std::upper_bound(firstOfRank_.begin(), firstOfRank_.end(), std::make_pair(subdomain, kNone)) - 1)->second;
+  }
+  bool isHighest(std::size_t record) const { return groups_[record][0] % 2 == 1; }
+  int ownerOf(std::size_t record) const {
+    const Labels& group = groups_[record];
+    return group[0] == kNone ? comm_.getRank() : rankOfSubdomain(isHighest(record) ? -group[1] : group[0]);
+  }
+
+  const Communicator& comm_;
+  const std::vector<InterfaceRows>& interfaces_;
+  NodeDirectory directory_;
+  std::vector<Parcel> parcels_;                     // [ranks]
+  std::vector<std::pair<int, int>> firstOfRank_;    // first subdomain, rank; ascending
+  std::vector<GlobalOrdinal> pairsOfInterface_;
+  std::vector<Draft> drafts_;
+  std::vector<Labels> groups_;   // [records] lowest subdomain, - highest, 0: of the node and those it is paired with alone
+  std::vector<Labels> holders_;  // [records] lowest rank that rows meet at, - highest, - whether contact rows do
+  GlobalOrdinal numEquality_ = 0, numRows_ = 0, numContact_ = 0;
+};
+
+void RowDealer::learnRanks(const RowSources& sources) {
+  ByteWriter writer;
+  if (!sources.subdomains.empty()) writer.write(sources.subdomains.front().id);
+  const auto messages = gatherOnAll(comm_, writer.take());
+  for (std::size_t rank = 0; rank < messages.size(); ++rank)
+    if (!messages[rank].empty()) firstOfRank_.emplace_back(ByteReader(messages[rank]).read<int>(), int(rank));
+  std::sort(firstOfRank_.begin(), firstOfRank_.end());
+}
+
+// Pairs come to the rank that keeps their secondary node, and the other nodes become known there.
+void RowDealer::takePairs(const RowSources& sources) {
+  std::vector<ByteWriter> writers(parcels_.size());
+  std::vector<long long> mine(interfaces_.size(), 0), all(interfaces_.size(), 0);
+  for (const auto& placed : sources.pairs) {
+    ByteWriter& writer = writers[std::size_t(directory_.rankOf(placed.pair.secondaryNode))];
+    writer.write(placed.interface);
+    writer.write(placed.position);
+    pack(writer, placed.pair);
+    ++mine[std::size_t(placed.interface)];
+  }
+  Teuchos::reduceAll(comm_, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
+  pairsOfInterface_.assign(all.begin(), all.end());
+  std::vector<Bytes> messages;
+  for (auto& writer : writers) messages.push_back(writer.take());
+  std::vector<std::int64_t> nodes;
+  for (const auto& message : exchangeAll(comm_, messages))
+    for (ByteReader reader(message); !reader.atEnd();) {
+      drafts_.emplace_back();
+      PlacedPair& placed = drafts_.back().placed;
+      placed.interface = reader.read<int>();
+      placed.position = reader.read<int>();
+      placed.pair = unpackContactPair(reader);
+      TEUCHOS_ASSERT(placed.position >= 0 && placed.position < pairsOfInterface_[std::size_t(placed.interface)]);
+      for (const auto* side : {&placed.pair.secondary, &placed.pair.primary})
+        for (const auto& item : *side) nodes.push_back(item.node);
+    }
+  directory_.fetch(nodes);
+  std::sort(drafts_.begin(), drafts_.end(), [](const Draft& a, const Draft& b) {
+    return std::make_pair(a.placed.interface, a.placed.position) < std::make_pair(b.placed.interface, b.placed.position);
+  });
+  for (Draft& draft : drafts_)
+    for (const auto* side : {&draft.placed.pair.secondary, &draft.placed.pair.primary})
+      for (const auto& [node, weight] : *side) {
+        const int record = directory_.find(node);
+        const double signedWeight = side == &draft.placed.pair.secondary ? weight : -weight;
+        const auto known = std::find_if(draft.nodes.begin(), draft.nodes.end(), [&](const auto& n) { return n.first == record; });
+        if (known == draft.nodes.end()) draft.nodes.emplace_back(record, signedWeight);
+        else known->second += signedWeight;  // a node on both sides
+      }
+}
+
+void RowDealer::requireNodes() const {
+  std::string message;
+  for (const Draft& draft : drafts_) {
+    std::vector<int> used = membersOf(draft);
+    used.push_back(directory_.find(draft.placed.pair.secondaryNode));
+    for (int node : used)
+      if (message.empty() && directory_.records()[std::size_t(node)].numCopies == 0)
+        message = "Contact '" + interfaces_[std::size_t(draft.placed.interface)].name + "': the pair of node " +
+                  std::to_string(draft.placed.pair.secondaryNode + 1) + " names node " +
+                  std::to_string(directory_.records()[std::size_t(node)].node + 1) + " of the mesh, which no subdomain has; pair nodes of elements";
+  }
+  throwOnAllRanks(comm_, message);
+}
+
+// Gluing and Dirichlet rows belong to the lowest subdomain at a node, and every other one of those leaves its nodes to the
+// highest, as rows are work for both neighbours' ranks.  Nodes that are paired one by one count as one.
+void RowDealer::findOwners() {
+  groups_.assign(directory_.records().size(), {kNone, kNone, 0});
+  for (std::size_t i = 0; i < directory_.records().size(); ++i) {
+    const NodeRecord& record = directory_.records()[i];
+    if (record.numCopies == 0) continue;
+    groups_[i] = {directory_.copies(record)->subdomain, -(directory_.copies(record) + record.numCopies - 1)->subdomain, 0};
+  }
+  std::vector<std::vector<int>> joined;
+  for (const Draft& draft : drafts_)
+    if (draft.placed.pair.secondary.size() == 1 && draft.placed.pair.primary.size() == 1) joined.push_back(membersOf(draft));
+  directory_.spreadMinimum(joined, groups_);
+}
+
+std::vector<int> RowDealer::membersOf(const Draft& draft) const {
+  std::vector<int> members;
+  for (const auto& [node, weight] : draft.nodes) members.push_back(node);
+  return members;
+}
+
+// c of a row is its gap minus what prescribed displacements contribute to the jump.
+void RowDealer::makeRows(Draft& draft) const {
+  const PlacedPair& placed = draft.placed;
+  const InterfaceRows& interface = interfaces_[std::size_t(placed.interface)];
+  const LocalFrame& frame = placed.pair.frame;
+  draft.axes = {frame.normal, frame.t1, frame.t2};
+  if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  RowShare::Pair& share = draft.share;
+  share.interface = placed.interface;
+  share.position = placed.position;
+  share.isTied = interface.tied;
+  share.c = {interface.tied ? 0.0 : placed.pair.gap, 0.0, 0.0};
+  share.pinned = {1, 1, 1};
+  for (const auto& [index, weight] : draft.nodes) {
+    const NodeRecord& record = directory_.records()[std::size_t(index)];
+    for (std::size_t a = 0; a < 3; ++a)
+      for (std::size_t d = 0; d < 3; ++d) {
+        if (record.isPrescribed[d]) share.c[a] -= weight * draft.axes[a][d] * record.prescribed[d];
+        else if (weight != 0 && std::abs(draft.axes[a][d]) >= kRoundOff) share.pinned[a] = 0;
+      }
+  }
+}
+
+// A tied row that is left empty must hold by itself; the first one that does not is told.
+void RowDealer::requireTiedValues() const {
+  CaughtError error;
+  std::pair<int, int> where{kNone, kNone};
+  for (const Draft& draft : drafts_)
+    for (std::size_t d = 0; d < 3 && error.kind == 0 && draft.share.isTied; ++d) {
+      double largest = 0;
+      for (const auto& [index, weight] : draft.nodes)
+        largest = std::max(largest, std::abs(directory_.records()[std::size_t(index)].prescribed[d]));
+      if (!draft.share.pinned[d] || std::abs(draft.share.c[d]) <= kRoundOff * largest) continue;
+      where = {draft.share.interface, draft.share.position};
+      error = {2, "The model has no solution: the displacements prescribed on both sides of contact '" +
+                      interfaces_[std::size_t(where.first)].name + "' part a tied pair by " +
+                      formatted("%g", std::abs(draft.share.c[d])) + " along " + "xyz"[d] + "."};
+    }
+  int first = kNone, position = kNone;
+  Teuchos::reduceAll(comm_, Teuchos::REDUCE_MIN, where.first, Teuchos::outArg(first));
+  const int mine = where.first == first ? where.second : kNone;
+  Teuchos::reduceAll(comm_, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(position));
+  if (where != std::make_pair(first, position)) error = {};
+  throwOnAllRanks(comm_, error);
+}
+
+// Rows meet where they act on the same node: who solves with them is the lowest of the ranks that own them.
+void RowDealer::findHolders() {
+  holders_.assign(directory_.records().size(), {kNone, kNone, 0});
+  std::vector<std::vector<int>> meeting;
+  const auto see = [&](int index, int rank, int contact) {
+    Labels& label = holders_[std::size_t(index)];
+    label = {std::min(label[0], rank), std::min(label[1], -rank), std::min(label[2], contact)};
+  };
+  for (const Draft& draft : drafts_) {
+    std::vector<int> members = membersOf(draft);
+    members.erase(std::remove_if(members.begin(), members.end(),
+                                 [&](int i) { return directory_.records()[std::size_t(i)].isHeld(); }),
+                  members.end());
+    const int owner = ownerOf(std::size_t(directory_.find(draft.placed.pair.secondaryNode)));
+    for (int i : members) {
+      see(i, owner, draft.share.isTied ? 0 : -1);
+      if (directory_.records()[std::size_t(i)].numCopies > 1) see(i, ownerOf(std::size_t(i)), 0);
+    }
+    meeting.push_back(std::move(members));
+  }
+  directory_.spreadMinimum(meeting, holders_);
+}
+
+int holderOf(const Labels& label) { return label[0] == kNone || label[0] == -label[1] ? -1 : label[0]; }
+
+void RowDealer::dealNodes() {
+  GlobalOrdinal gluing = 0, dirichlet = 0;
+  const auto visit = [&](auto&& each) {
+    for (std::size_t i = 0; i < directory_.numOwn(); ++i) each(i, directory_.records()[i]);
+  };
+  visit([&](std::size_t, const NodeRecord& record) {
+    gluing += 3 * std::max(0, record.numCopies - 1);
+    for (char is : record.isPrescribed) dirichlet += is;
+  });
+  const GlobalOrdinal numGluing = sumOverRanks(comm_, gluing);
+  numEquality_ = numGluing + sumOverRanks(comm_, dirichlet);
+  gluing = sumOverLowerRanks(comm_, gluing);
+  dirichlet = numGluing + sumOverLowerRanks(comm_, dirichlet);
+  visit([&](std::size_t i, const NodeRecord& record) {
+    std::array<GlobalOrdinal, 3> rows{-1, -1, -1};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (record.isPrescribed[d]) rows[d] = dirichlet++;
+    const bool isShared = record.numCopies > 1;
+    if (isShared || rows != std::array<GlobalOrdinal, 3>{-1, -1, -1}) dealNode(record, i, isShared ? gluing : -1, rows);
+    if (isShared) gluing += 3 * (record.numCopies - 1);
+  });
+}
+
+// Copies count from the owner's: rows among them are nobody else's.
+void RowDealer::dealNode(const NodeRecord& record, std::size_t index, GlobalOrdinal gluing, const std::array<GlobalOrdinal, 3>& dirichlet) {
+  const int mu = record.numCopies;
+  RowShare::Node node{record.node, gluing, dirichlet, record.prescribed, holderOf(holders_[index]), {}};
+  for (int i = 0; i < mu; ++i) {
+    const NodeCopy& copy = directory_.copies(record)[isHighest(index) ? mu - 1 - i : i];
+    node.stiffness.push_back(copy.stiffness);
+    parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].copies.push_back({copy.subdomain, copy.localNode, mu, i, gluing, dirichlet});
+  }
+  pack(parcels_[std::size_t(ownerOf(index))].nodes, node);
+}
+
+// By interface: the number of its first pair among those of interfaces that count.
+std::vector<GlobalOrdinal> RowDealer::placesOf(bool (*counts)(const InterfaceRows&), GlobalOrdinal& total) const {
+  std::vector<GlobalOrdinal> first;
+  total = 0;
+  for (std::size_t k = 0; k < interfaces_.size(); ++k) {
+    first.push_back(total);
+    if (counts(interfaces_[k])) total += pairsOfInterface_[k];
+  }
+  return first;
+}
+
+// Tied rows, then N of all pairs, T1 of those with friction, T2 of those.
+void RowDealer::numberPairs() {
+  numberTied(numEquality_);
+  GlobalOrdinal tied = 0, numFrictional = 0;
+  for (const Draft& draft : drafts_)
+    for (std::size_t d = 0; d < 3; ++d) tied += draft.share.isTied && !draft.share.pinned[d];
+  numEquality_ += sumOverRanks(comm_, tied);
+  const auto contact = placesOf([](const InterfaceRows& k) { return !k.tied; }, numContact_);
+  const auto frictional = placesOf([](const InterfaceRows& k) { return !k.tied && k.frictional; }, numFrictional);
+  for (Draft& draft : drafts_) {
+    RowShare::Pair& pair = draft.share;
+    if (pair.isTied) continue;
+    pair.rows[0] = numEquality_ + contact[std::size_t(pair.interface)] + pair.position;
+    for (int t = 0; t < 2 && interfaces_[std::size_t(pair.interface)].frictional; ++t)
+      pair.rows[std::size_t(t) + 1] = numEquality_ + numContact_ + t * numFrictional + frictional[std::size_t(pair.interface)] + pair.position;
+  }
+  numRows_ = numEquality_ + numContact_ + 2 * numFrictional;
+}
+
+// Tied pairs have as many rows as are not empty.
+void RowDealer::numberTied(GlobalOrdinal first) {
+  GlobalOrdinal total = 0;
+  const auto places = placesOf([](const InterfaceRows& k) { return k.tied; }, total);
+  std::vector<PlacedCount> counts;
+  for (const Draft& draft : drafts_)
+    if (draft.share.isTied)
+      counts.push_back({places[std::size_t(draft.share.interface)] + draft.share.position,
+                        std::count(draft.share.pinned.begin(), draft.share.pinned.end(), char(0))});
+  const auto before = scanInOrder(comm_, counts, total);
+  auto next = before.begin();
+  for (Draft& draft : drafts_) {
+    if (!draft.share.isTied) continue;
+    GlobalOrdinal row = first + *next++;
+    for (std::size_t d = 0; d < 3; ++d)
+      if (!draft.share.pinned[d]) draft.share.rows[d] = row++;
+  }
+}
+
+// Rows act on the mean of a node's copies.
+void RowDealer::dealPair(const Draft& draft) {
+  RowShare::Pair share = draft.share;
+  share.geometry = draft.placed.pair;
+  const int owner = ownerOf(std::size_t(directory_.find(share.geometry.secondaryNode)));
+  Labels label{owner, -owner, share.isTied ? 0 : -1};
+  for (const auto& [index, weight] : draft.nodes) {
+    const NodeRecord& record = directory_.records()[std::size_t(index)];
+    if (!record.isHeld()) label = holders_[std::size_t(index)];
+    PairNode node{record.node, weight, 0.0, record.numCopies, record.numCopies > 1 ? ownerOf(std::size_t(index)) : -1, record.isPrescribed};
+    for (int i = 0; i < record.numCopies; ++i) {
+      const NodeCopy& copy = directory_.copies(record)[i];
+      node.stiffness += copy.stiffness;
+      auto& entries = parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].entries;
+      for (std::size_t a = 0; a < 3; ++a)
+        for (int d = 0; d < 3 && share.rows[a] >= 0 && weight != 0; ++d) {
+          const double value = weight * draft.axes[a][std::size_t(d)];
+          if (!record.isPrescribed[std::size_t(d)] && std::abs(draft.axes[a][std::size_t(d)]) >= kRoundOff)
+            entries.push_back({share.rows[a], copy.subdomain, 3 * copy.localNode + d, value / record.numCopies});
+        }
+    }
+    share.nodes.push_back(node);
+  }
+  share.holder = holderOf(label);
+  share.meetsContact = label[2] < 0;
+  pack(parcels_[std::size_t(owner)].pairs, share);
+}
+
+// Ranks with copies of a node that rows of pairs act on must know how stiff all copies are together.
+void RowDealer::dealCoupledCopies() {
+  for (std::size_t i = 0; i < directory_.numOwn(); ++i) {
+    const NodeRecord& record = directory_.records()[i];
+    if (holders_[i][0] == kNone) continue;
+    double sum = 0;
+    for (int k = 0; k < record.numCopies; ++k) sum += directory_.copies(record)[k].stiffness;
+    for (int k = 0; k < record.numCopies; ++k) {
+      const NodeCopy& copy = directory_.copies(record)[k];
+      parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].coupled.push_back({copy.subdomain, copy.localNode, sum / record.numCopies});
+    }
+  }
+}
+
+RowShare RowDealer::receive() {
+  std::vector<Bytes> messages;
+  for (Parcel& parcel : parcels_) {
+    ByteWriter writer;
+    writer.write(parcel.nodes.take());
+    writer.write(parcel.pairs.take());
+    writer.write(parcel.copies);
+    writer.write(parcel.entries);
+    writer.write(parcel.coupled);
+    messages.push_back(writer.take());
+    parcel = {};
+  }
+  RowShare share;
+  share.numRows = numRows_;
+  share.numEquality = numEquality_;
+  share.numPairs = numContact_;
+  const auto append = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
+  for (const auto& message : exchangeAll(comm_, messages)) {
+    ByteReader reader(message);
+    const auto nodes = reader.readVector<char>(), pairs = reader.readVector<char>();
+    for (ByteReader part(nodes); !part.atEnd();) share.nodes.push_back(unpackNode(part));
+    for (ByteReader part(pairs); !part.atEnd();) share.pairs.push_back(unpackPair(part));
+    append(share.copies, reader.readVector<RowShare::Copy>());
+    append(share.entries, reader.readVector<RowShare::Entry>());
+    append(share.coupled, reader.readVector<CoupledCopy>());
+  }
+  std::sort(share.pairs.begin(), share.pairs.end(), [](const RowShare::Pair& a, const RowShare::Pair& b) {
+    return std::make_pair(a.interface, a.position) < std::make_pair(b.interface, b.position);
+  });
+  return share;
+}
+
+}  // namespace
+
+RowShare dealRows(const Communicator& comm, const RowSources& sources) { return RowDealer(comm, sources).deal(); }
+
+}  // namespace Haptos

@@ -1,0 +1,357 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_CouplingGram.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_Exchange.hpp"
+#include "Haptos_TpetraCompat.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr std::size_t kMostDense = 60;  // rows: beyond, a sparse factor costs less than an inverse
+
+int findRoot(std::vector<int>& parent, int i) {
+  while (parent[std::size_t(i)] != i) i = parent[std::size_t(i)] = parent[std::size_t(parent[std::size_t(i)])];
+  return i;
+}
+
+bool isFree(const PairNode& node) { return !(node.isPrescribed[0] && node.isPrescribed[1] && node.isPrescribed[2]); }
+
+// visit(node, component, coefficient) for row a of a pair
+template <class Axes, class Visit>
+void forEachCoefficient(const Axes& axis, const std::vector<PairNode>& nodes, Visit&& visit) {
+  for (const PairNode& node : nodes)
+    for (int d = 0; d < 3; ++d)
+      if (!node.isPrescribed[std::size_t(d)] && std::abs(axis[std::size_t(d)]) >= 1e-12) visit(node, d, axis[std::size_t(d)] * node.weight);
+}
+
+Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
+  constexpr double kDependent = 1e-10;
+  Eigen::VectorXd d = A.diagonal();
+  for (auto& value : d) value = value > 0 ? 1.0 / std::sqrt(value) : 0.0;
+  A = d.asDiagonal() * A * d.asDiagonal();
+  const SymmetricEigen eigen(A);
+  Eigen::VectorXd inverse = eigen.values;
+  for (auto& value : inverse) value = value > kDependent ? 1.0 / value : 0.0;
+  return d.asDiagonal() * (eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose()) * d.asDiagonal();
+}
+
+RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& items, const RCP<const Teuchos::Comm<int>>& comm) {
+  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                              Teuchos::ArrayView<const GlobalOrdinal>(items.data(), Teuchos_Ordinal(items.size())), 0, comm));
+}
+
+}  // namespace
+
+// Couplings that meet, all of this rank.
+struct CouplingGram::Group {
+  std::vector<const Coupling*> couplings;
+  std::vector<int> rows;  // positions in rows_
+};
+
+struct CouplingGram::Held {
+  struct Item {
+    std::array<GlobalOrdinal, 3> rows;
+    std::array<std::array<double, 3>, 3> axes;
+    std::vector<PairNode> nodes;
+  };
+  std::vector<Item> items;
+  std::vector<GlobalOrdinal> rows;
+  std::vector<std::int64_t> nodes;  // those with gluing rows, ascending
+};
+
+CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScaling)
+    : multipliers_(multipliers), stiffnessScaling_(stiffnessScaling) {
+  findRowsAndNodes();
+  const auto groups = findLocalGroups();
+  invertGroups(groups);
+  const auto holders = findHolders(groups);
+  int mine = std::any_of(holders.begin(), holders.end(), [](int rank) { return rank >= 0; }), any = 0;
+  Teuchos::reduceAll(*multipliers.map()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
+  isAnyHeld_ = any != 0;
+  if (!isAnyHeld_) return;
+  holdFactors(holders);
+  setHeldDiagonals();
+}
+
+int CouplingGram::positionOfRow(int row) const { return int(std::lower_bound(rows_.begin(), rows_.end(), row) - rows_.begin()); }
+
+int CouplingGram::positionOfNode(std::int64_t node) const {
+  const auto& all = multipliers_.nodeRows();
+  return int(std::lower_bound(nodes_.begin(), nodes_.end(), node, [&](int i, std::int64_t n) { return all[std::size_t(i)].node < n; }) -
+             nodes_.begin());
+}
+
+void CouplingGram::findRowsAndNodes() {
+  std::vector<std::int64_t> acted;  // on by this rank's couplings
+  for (const Coupling& coupling : multipliers_.couplings()) {
+    for (int row : coupling.rows)
+      if (row >= 0) rows_.push_back(row);
+    for (const PairNode& node : coupling.nodes)
+      if (isFree(node)) acted.push_back(node.node);
+  }
+  std::sort(rows_.begin(), rows_.end());
+  std::sort(acted.begin(), acted.end());
+  const auto& all = multipliers_.nodeRows();
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (all[i].gluing >= 0 && (all[i].holder >= 0 || std::binary_search(acted.begin(), acted.end(), all[i].node))) nodes_.push_back(int(i));
+}
+
+std::vector<CouplingGram::Group> CouplingGram::findLocalGroups() const {
+  const auto& couplings = multipliers_.couplings();
+  std::vector<int> parent(couplings.size());
+  std::iota(parent.begin(), parent.end(), 0);
+  std::vector<std::pair<std::int64_t, int>> meetings;
+  for (std::size_t i = 0; i < couplings.size(); ++i)
+    for (const PairNode& node : couplings[i].nodes)
+      if (couplings[i].holder < 0 && isFree(node)) meetings.emplace_back(node.node, int(i));
+  std::sort(meetings.begin(), meetings.end());
+  for (std::size_t k = 1; k < meetings.size(); ++k)
+    if (meetings[k].first == meetings[k - 1].first)
+      parent[std::size_t(findRoot(parent, meetings[k].second))] = findRoot(parent, meetings[k - 1].second);
+  std::map<int, Group> groups;
+  for (std::size_t i = 0; i < couplings.size(); ++i) {
+    if (couplings[i].holder >= 0) continue;
+    Group& group = groups[findRoot(parent, int(i))];
+    group.couplings.push_back(&couplings[i]);
+    for (int row : couplings[i].rows)
+      if (row >= 0) group.rows.push_back(positionOfRow(row));
+  }
+  std::vector<Group> result;
+  for (auto& [root, group] : groups) result.push_back(std::move(group));
+  return result;
+}
+
+// Dense S of a group, and what of C its nodes with gluing rows have.
+void CouplingGram::invertGroups(const std::vector<Group>& groups) {
+  const Eigen::Index n = Eigen::Index(rows_.size());
+  nodeDiagonal_ = Eigen::VectorXd::Zero(3 * Eigen::Index(nodes_.size()));
+  std::vector<Eigen::Triplet<double>> inverse, coefficients;
+  for (const Group& group : groups) {
+    if (group.rows.empty() || group.rows.size() > kMostDense) continue;
+    struct Column {
+      double weight;
+      int place;  // among the nodes' values; -1: no gluing rows
+      std::vector<std::pair<int, double>> entries;
+    };
+    std::map<std::pair<std::int64_t, int>, Column> columns;
+    int row = 0;
+    for (const Coupling* coupling : group.couplings)
+      for (std::size_t a = 0; a < 3; ++a) {
+        if (coupling->rows[a] < 0) continue;
+        forEachCoefficient(coupling->axes[a], coupling->nodes, [&](const PairNode& node, int d, double value) {
+          const int place = node.owner < 0 ? -1 : 3 * positionOfNode(node.node) + d;
+          columns.try_emplace({node.node, d}, Column{weightOf(node), place, {}}).first->second.entries.emplace_back(row, value);
+          if (place >= 0) coefficients.emplace_back(group.rows[std::size_t(row)], place, value);
+        });
+        ++row;
+      }
+    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(row, row);
+    for (const auto& [unknown, column] : columns)
+      for (const auto& [i, a] : column.entries)
+        for (const auto& [j, b] : column.entries) S(i, j) += a * b * column.weight;
+    const Eigen::MatrixXd dense = pseudoInverse(std::move(S));
+    for (const auto& [unknown, column] : columns)
+      for (const auto& [i, a] : column.entries)
+        for (const auto& [j, b] : column.entries)
+          if (column.place >= 0) nodeDiagonal_[column.place] += a * dense(i, j) * b;
+    const double negligible = 1e-15 * dense.cwiseAbs().maxCoeff();
+    for (int i = 0; i < row; ++i)
+      for (int j = 0; j < row; ++j)
+        if (std::abs(dense(i, j)) > negligible) inverse.emplace_back(group.rows[std::size_t(i)], group.rows[std::size_t(j)], dense(i, j));
+  }
+  inverse_.resize(n, n);
+  inverse_.setFromTriplets(inverse.begin(), inverse.end());
+  C_.resize(n, nodeDiagonal_.size());
+  C_.setFromTriplets(coefficients.begin(), coefficients.end());
+  rowDiagonal_ = inverse_.diagonal();
+}
+
+// [couplings] rank that has the factor; -1: inverted
+std::vector<int> CouplingGram::findHolders(const std::vector<Group>& groups) const {
+  const auto& couplings = multipliers_.couplings();
+  std::vector<int> holders;
+  for (const Coupling& coupling : couplings) holders.push_back(coupling.holder);
+  for (const Group& group : groups)
+    for (const Coupling* coupling : group.couplings)
+      if (group.rows.size() > kMostDense) holders[std::size_t(coupling - couplings.data())] = multipliers_.map()->getComm()->getRank();
+  return holders;
+}
+
+void CouplingGram::holdFactors(const std::vector<int>& holders) {
+  const auto& comm = *multipliers_.map()->getComm();
+  std::vector<ByteWriter> writers(std::size_t(comm.getSize()));
+  for (std::size_t i = 0; i < holders.size(); ++i) {
+    if (holders[i] < 0) continue;
+    const Coupling& coupling = multipliers_.couplings()[i];
+    ByteWriter& writer = writers[std::size_t(holders[i])];
+    for (int row : coupling.rows) writer.write(row < 0 ? GlobalOrdinal(-1) : multipliers_.map()->getGlobalElement(row));
+    writer.write(coupling.axes);
+    writer.write(coupling.nodes);
+  }
+  std::vector<Bytes> messages;
+  for (auto& writer : writers) messages.push_back(writer.take());
+  Held held;
+  for (const auto& message : exchangeAll(comm, messages))
+    for (ByteReader reader(message); !reader.atEnd();) {
+      Held::Item item;
+      for (auto& row : item.rows) {
+        row = reader.read<GlobalOrdinal>();
+        if (row >= 0) held.rows.push_back(row);
+      }
+      item.axes = reader.read<std::array<std::array<double, 3>, 3>>();
+      item.nodes = reader.readVector<PairNode>();
+      for (const PairNode& node : item.nodes)
+        if (node.owner >= 0 && isFree(node)) held.nodes.push_back(node.node);
+      held.items.push_back(std::move(item));
+    }
+  std::sort(held.nodes.begin(), held.nodes.end());
+  held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
+  factorHeld(held);
+  rowTransfer_ = makeTransfer(holders, held, false);
+  transfer_ = makeTransfer(holders, held, true);
+}
+
+// Unknowns are the rows, or for all three rows of a pair the same in global axes: x_d = sum over rows axes[a][d] x_a.
+void CouplingGram::factorHeld(const Held& held) {
+  std::vector<Eigen::Triplet<double>> turn, coefficients, ofNodes;
+  std::map<std::pair<std::int64_t, int>, int> columns;
+  std::vector<double> weights;
+  int row = 0, unknowns = 0;
+  const auto addUnknown = [&](const std::array<double, 3>& axis, const std::vector<PairNode>& nodes) {
+    forEachCoefficient(axis, nodes, [&](const PairNode& node, int d, double value) {
+      const auto [at, isNew] = columns.emplace(std::make_pair(node.node, d), int(columns.size()));
+      if (isNew) weights.push_back(weightOf(node));
+      coefficients.emplace_back(unknowns, at->second, value);
+      if (node.owner < 0) return;
+      const auto place = std::lower_bound(held.nodes.begin(), held.nodes.end(), node.node) - held.nodes.begin();
+      ofNodes.emplace_back(unknowns, 3 * int(place) + d, value);
+    });
+    ++unknowns;
+  };
+  for (const auto& item : held.items) {
+    const bool isTurned = std::all_of(item.rows.begin(), item.rows.end(), [](GlobalOrdinal r) { return r >= 0; });
+    const std::array<std::array<double, 3>, 3> global{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (item.rows[a] < 0) continue;
+      if (!isTurned) turn.emplace_back(unknowns, row, 1.0);
+      for (int d = 0; d < 3 && isTurned; ++d) turn.emplace_back(unknowns - int(a) + d, row, item.axes[a][std::size_t(d)]);
+      addUnknown(isTurned ? global[a] : item.axes[a], item.nodes);
+      ++row;
+    }
+  }
+  turn_.resize(unknowns, row);
+  turn_.setFromTriplets(turn.begin(), turn.end());
+  heldC_.resize(unknowns, 3 * Eigen::Index(held.nodes.size()));
+  heldC_.setFromTriplets(ofNodes.begin(), ofNodes.end());
+  Matrix C(unknowns, Eigen::Index(columns.size()));
+  C.setFromTriplets(coefficients.begin(), coefficients.end());
+  const Matrix S = C * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).asDiagonal() * Matrix(C.transpose());
+  heldDiagonal_ = S.diagonal();
+  factor_ = SparseLdl(S);
+}
+
+CouplingGram::Transfer CouplingGram::makeTransfer(const std::vector<int>& holders, const Held& held, bool withNodes) const {
+  const Map& map = *multipliers_.map();
+  const auto comm = map.getComm();
+  const auto numRows = GlobalOrdinal(map.getGlobalNumElements());
+  Transfer transfer;
+  std::vector<GlobalOrdinal> from, to = held.rows;
+  std::vector<std::int64_t> wanted;  // nodes of this rank's large groups
+  for (std::size_t i = 0; i < holders.size(); ++i) {
+    if (holders[i] < 0) continue;
+    const Coupling& coupling = multipliers_.couplings()[i];
+    for (int row : coupling.rows) {
+      if (row < 0) continue;
+      transfer.mine.push_back(positionOfRow(row));
+      from.push_back(map.getGlobalElement(row));
+    }
+    for (const PairNode& node : coupling.nodes)
+      if (coupling.holder < 0 && node.owner >= 0 && isFree(node)) wanted.push_back(node.node);
+  }
+  std::sort(wanted.begin(), wanted.end());
+  for (std::size_t k = 0; k < nodes_.size() && withNodes; ++k) {
+    const NodeRows& node = multipliers_.nodeRows()[std::size_t(nodes_[k])];
+    if (node.holder < 0 && !std::binary_search(wanted.begin(), wanted.end(), node.node)) continue;
+    for (int d = 0; d < 3; ++d) {
+      transfer.mine.push_back(int(rows_.size() + 3 * k) + d);
+      from.push_back(numRows + 3 * node.node + d);
+    }
+  }
+  for (std::size_t k = 0; k < held.nodes.size() && withNodes; ++k)
+    for (int d = 0; d < 3; ++d) to.push_back(numRows + 3 * held.nodes[k] + d);
+  transfer.from = mapOf(from, comm);
+  transfer.to = mapOf(to, comm);
+  transfer.there = Teuchos::rcp(new Tpetra::Import<>(transfer.from, transfer.to));
+  transfer.back = Teuchos::rcp(new Tpetra::Import<>(transfer.to, transfer.from));
+  return transfer;
+}
+
+Eigen::VectorXd CouplingGram::Transfer::gather(const Eigen::VectorXd& own) const {
+  Vector source(from, false), target(to);
+  {
+    const auto data = source.getDataNonConst(0);
+    for (std::size_t i = 0; i < mine.size(); ++i) data[Teuchos_Ordinal(i)] = own[mine[i]];
+  }
+  target.doImport(source, *there, Tpetra::INSERT);
+  const auto data = target.getData(0);
+  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+}
+
+void CouplingGram::Transfer::scatter(const Eigen::VectorXd& held, Eigen::VectorXd& own) const {
+  Vector source(to, false), target(from);
+  {
+    const auto data = source.getDataNonConst(0);
+    std::copy(held.data(), held.data() + held.size(), data.begin());
+  }
+  target.doImport(source, *back, Tpetra::INSERT);
+  const auto data = target.getData(0);
+  for (std::size_t i = 0; i < mine.size(); ++i) own[mine[i]] = data[Teuchos_Ordinal(i)];
+}
+
+// Of one over the diagonal of S, in the unknowns of the factor.
+void CouplingGram::setHeldDiagonals() {
+  Eigen::VectorXd inverse = heldDiagonal_;
+  for (auto& value : inverse) value = value > 0 ? 1 / value : 0.0;
+  Eigen::VectorXd held(turn_.cols() + heldC_.cols());
+  held << turn_.cwiseAbs2().transpose() * inverse, heldC_.cwiseAbs2().transpose() * inverse;
+  Eigen::VectorXd own(rowDiagonal_.size() + nodeDiagonal_.size());
+  own << rowDiagonal_, nodeDiagonal_;
+  transfer_.scatter(held, own);
+  rowDiagonal_ = own.head(rowDiagonal_.size());
+  nodeDiagonal_ = own.tail(nodeDiagonal_.size());
+}
+
+Eigen::VectorXd CouplingGram::solve(const Eigen::VectorXd& x) const {
+  Eigen::VectorXd y = inverse_ * x;
+  if (!isAnyHeld_) return y;
+  const Eigen::VectorXd held = rowTransfer_.gather(x);
+  rowTransfer_.scatter(turn_.transpose() * factor_.solve(turn_ * held), y);
+  return y;
+}
+
+void CouplingGram::solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const {
+  Eigen::VectorXd own(x.size() + z.size());
+  own << x, z;
+  x = inverse_ * (x + C_ * z);
+  z = C_.transpose() * x;
+  if (!isAnyHeld_) return;
+  const Eigen::VectorXd values = transfer_.gather(own);
+  const Eigen::VectorXd y = factor_.solve(turn_ * values.head(turn_.cols()) + heldC_ * values.tail(heldC_.cols()));
+  Eigen::VectorXd held(values.size());
+  held << turn_.transpose() * y, heldC_.transpose() * y;
+  own << x, z;
+  transfer_.scatter(held, own);
+  x = own.head(x.size());
+  z = own.tail(z.size());
+}
+
+}  // namespace Haptos

@@ -1,0 +1,79 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/SparseCore>
+#include <Tpetra_Import.hpp>
+#include <memory>
+#include <vector>
+
+#include "Haptos_MultiplierMap.hpp"
+#include "Haptos_SparseLdl.hpp"
+
+namespace Haptos {
+
+/// \brief S = C W C^T between the rows of pairs, contact and tied, and its inverse: B W B^T once gluing rows are eliminated.
+///
+/// C has the rows on the level of nodes (axis x weight, prescribed components left out), W = 1 / sum of the stiffness weights
+/// of a node's copies.  Rows that meet at nodes and lie on one rank are solved by small dense inverses, scaled to unit diagonal
+/// and cut below 1e-10; where they lie on several ranks, or are many, one rank holds a sparse factor of them, and an
+/// application gathers and scatters once.  Three rows of a pair are turned to global axes there, in which S has a block a component.
+/// An empty (pinned) row gives zero.  Decision: 023-rows-of-pairs-on-nodes.
+class CouplingGram {
+ public:
+  /// Collective.
+  CouplingGram(const MultiplierMap& multipliers, bool stiffnessScaling);
+
+  const std::vector<int>& rows() const { return rows_; }    ///< owned rows of pairs, ascending
+  const std::vector<int>& nodes() const { return nodes_; }  ///< positions in MultiplierMap::nodeRows that pairs act on, with gluing rows
+
+  /// \brief S^-1 x, [rows()].  Collective where rows meet across ranks.
+  Eigen::VectorXd solve(const Eigen::VectorXd& x) const;
+  /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows()], z [3 nodes()].  Collective where rows meet across ranks.
+  void solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const;
+
+  /// \name Diagonals of S^-1 and of C^T S^-1 C, of one over S's for rows of a sparse factor.
+  /// @{
+  const Eigen::VectorXd& rowDiagonal() const { return rowDiagonal_; }
+  const Eigen::VectorXd& nodeDiagonal() const { return nodeDiagonal_; }
+  /// @}
+
+  int numDropped() const { return factor_.numDropped(); }  ///< unknowns that depend on others, of this rank's factor
+
+ private:
+  using Matrix = Eigen::SparseMatrix<double>;
+  // Values that go to the ranks that hold factors, and back.
+  struct Transfer {
+    std::vector<int> mine;  // of rows, then rows().size() + those of nodes
+    RCP<const Map> from, to;
+    RCP<const Tpetra::Import<>> there, back;
+
+    Eigen::VectorXd gather(const Eigen::VectorXd& own) const;
+    void scatter(const Eigen::VectorXd& held, Eigen::VectorXd& own) const;
+  };
+  struct Group;   // rows that meet
+  struct Held;    // couplings at the rank that has their factor
+
+  void findRowsAndNodes();
+  std::vector<Group> findLocalGroups() const;
+  void invertGroups(const std::vector<Group>& groups);
+  std::vector<int> findHolders(const std::vector<Group>& groups) const;
+  void holdFactors(const std::vector<int>& holders);
+  void factorHeld(const Held& held);
+  Transfer makeTransfer(const std::vector<int>& holders, const Held& held, bool withNodes) const;
+  void setHeldDiagonals();
+  double weightOf(const PairNode& node) const { return 1.0 / (stiffnessScaling_ ? node.stiffness : double(node.copies)); }
+  int positionOfRow(int row) const;
+  int positionOfNode(std::int64_t node) const;
+
+  const MultiplierMap& multipliers_;
+  bool stiffnessScaling_;
+  std::vector<int> rows_, nodes_;
+  Eigen::SparseMatrix<double, Eigen::RowMajor> inverse_, C_;  // of the groups that are inverted
+  bool isAnyHeld_ = false;                                    // on any rank
+  Transfer rowTransfer_, transfer_;
+  Matrix turn_, heldC_;  // [unknowns x held rows], [unknowns x 3 held nodes]
+  Eigen::VectorXd heldDiagonal_;
+  SparseLdl factor_;
+  Eigen::VectorXd rowDiagonal_, nodeDiagonal_;
+};
+
+}  // namespace Haptos

@@ -1,0 +1,128 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Pairs of lists of nodes on several ranks, against dense matrices that know neither lists nor ranks.
+#include "Haptos_CouplingGram.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+#include <set>
+
+#include "DensePreconditioner.hpp"
+#include "Haptos_ContactBlock.hpp"
+#include "Haptos_RowGram.hpp"
+#include "Haptos_SparseLdl.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+constexpr double kRoundOff = 1e-12;
+
+// One secondary node opposite seven nodes of a finer mesh.
+Scene sevenScene() {
+  SceneOptions options = heldScene(9);
+  options.lower = {6, 4, 1};
+  options.upper = {1, 1, 1};
+  options.contact = false;
+  Scene scene = makeScene(options);
+  ContactInterface interface;
+  interface.name = "seven";
+  ContactPair pair{-1, {}, {}, makeFrame({0.1, 0.2, -1.0}, {1, 0, 0}), 0.01, 0.5};
+  std::vector<std::int64_t> opposite;
+  for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) {
+    const Point& x = scene.mesh.coordinates[i];
+    const bool isUpper = i >= scene.mesh.numNodes() - 8;
+    if (std::abs(x[2]) > 1e-9 || x[0] < 1e-9) continue;
+    if (isUpper && pair.secondaryNode < 0) pair.secondary = {{pair.secondaryNode = std::int64_t(i), 1.0}};
+    if (!isUpper) opposite.push_back(std::int64_t(i));
+  }
+  for (std::size_t k = 0; k < 7; ++k) pair.primary.push_back({opposite[k * (opposite.size() - 1) / 6], 1.0 / 7});
+  interface.pairs = {pair};
+  scene.interfaces = {interface};
+  buildRows(scene);
+  return scene;
+}
+
+// What holds for B W B^T, M, its contact rows and its contact block.
+void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& success) {
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const Dense B = denseB(scene), F = denseF(scene);
+  TEST_ASSERT(largest(denseOf(*feti.F) - F) < kRoundOff * largest(F));
+  for (bool scaled : {true, false}) {
+    const Dense gram = scaled ? Dense(B * denseW(scene).asDiagonal() * B.transpose()) : Dense(B * B.transpose());
+    const Dense reference = densePseudoInverse(gram), x = someColumns(B.rows(), 2);
+    const RowGram rowGram(feti.dealt.jump->multipliers(), scaled);
+    const auto y = scatteredColumns(feti.map(), x);
+    rowGram.apply(*y, *y);
+    TEST_ASSERT(largest(gathered(*y) - reference * x) < kRoundOff * largest(reference));
+  }
+  const Dense reference = denseM(scene, PreconditionerKind::Dirichlet);
+  const auto M = Teuchos::rcp(new DualPreconditioner(
+      feti.dealt.jump, feti.systems,
+      SurfaceOperators(*feti.systems, *feti.dealt.jump, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic,
+                       std::vector<char>(feti.dealt.mine.size(), 1))));
+  const auto block = Teuchos::rcp(new ContactBlock(M));
+  TEST_ASSERT(largest(denseOf(*M) - reference) < kRoundOff * largest(reference));
+  Dense between = reference, rows = reference;
+  for (Eigen::Index i = 0; i < reference.rows(); ++i)
+    if (isEquality(scene.rows.kinds[std::size_t(i)])) {
+      rows.row(i).setZero();
+      between.row(i).setZero();
+      between.col(i).setZero();
+    }
+  TEST_ASSERT(largest(between) > 1e-3 * largest(reference));
+  TEST_ASSERT(largest(denseOf(*block) - between) < kRoundOff * largest(reference));
+  TEST_ASSERT(largest(denseOf(ContactRows(M, block)) - rows) < kRoundOff * largest(reference));
+  const Eigen::VectorXd diagonal = gathered(*M->diagonal());
+  for (Eigen::Index i = 0; i < diagonal.size(); ++i)
+    if (!scene.rows.pinned[std::size_t(i)]) TEST_ASSERT(diagonal[i] > 0.05 * reference(i, i) && diagonal[i] < 20 * reference(i, i));
+}
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(CouplingGram, SevenPrimaryNodes) {
+  const Scene scene = sevenScene();
+  const auto comm = Tpetra::getDefaultComm();
+  const auto rankOf = deal(comm, scene).rankOf;
+  std::set<int> ranks;
+  TEST_EQUALITY(scene.interfaces[0].pairs[0].primary.size(), 7u);
+  for (const auto& sub : scene.subdomains)
+    for (const auto& [node, weight] : scene.interfaces[0].pairs[0].primary)
+      if (std::binary_search(sub.nodes.begin(), sub.nodes.end(), node)) ranks.insert(rankOf[std::size_t(sub.id)]);
+  TEST_EQUALITY(int(ranks.size()), comm->getSize());
+  compareWithDense(scene, out, success);
+}
+
+// Lists on both sides, nodes in many pairs, tied pairs among them, some components prescribed.
+TEUCHOS_UNIT_TEST(CouplingGram, ChainsOfListsAndTiedPairs) {
+  for (bool frictional : {true, false}) {
+    const Scene scene = makeListScene(frictional);
+    const Dealt dealt = deal(Tpetra::getDefaultComm(), scene);
+    int mine = 0, held = 0;  // rows that meet those of other ranks
+    for (const auto& coupling : dealt.multipliers->couplings()) mine += coupling.holder >= 0;
+    Teuchos::reduceAll(*Tpetra::getDefaultComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(held));
+    TEST_EQUALITY(held > 0, Tpetra::getDefaultComm()->getSize() > 1);
+    compareWithDense(scene, out, success);
+  }
+}
+
+// Unknowns that others determine are left out; the rest is solved.
+TEUCHOS_UNIT_TEST(SparseLdl, SolvesAndDropsWhatDepends) {
+  const int n = 40;
+  Dense C = Dense::Zero(n, n + 5);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < 4; ++j) C(i, (i + 7 * j * j) % (n + 5)) += j == 0 ? 4.0 : 1.0 + 0.1 * j;
+  const Eigen::VectorXd b = someVector(n);
+  const Dense A = C * C.transpose();
+  const SparseLdl factor(Eigen::SparseMatrix<double>(A.sparseView()));
+  TEST_EQUALITY(factor.numDropped(), 0);
+  TEST_ASSERT(largest(A * factor.solve(b) - b) < 1e-10);
+  C.row(7) = C.row(3) - 2 * C.row(11);
+  C.row(20).setZero();
+  const Dense singular = C * C.transpose();
+  const SparseLdl dropping(Eigen::SparseMatrix<double>(singular.sparseView()));
+  TEST_EQUALITY(dropping.numDropped(), 1);  // an empty row is none
+  const Eigen::VectorXd consistent = singular * b, x = dropping.solve(consistent);
+  TEST_EQUALITY(x[20], 0.0);
+  TEST_ASSERT(largest(singular * x - consistent) < 1e-10 * largest(consistent));
+}
