@@ -13,6 +13,7 @@ std::vector<PlacedPair> placedPairs(const std::vector<ContactInterface>& interfa
   return placed;
 }
 
+// Sum over the elements at a node of E h, h the mean distance of their nodes from the centre: how stiff a node is, in the unit of K.
 std::vector<double> nodalStiffness(const Subdomain& sub, const std::vector<double>& youngsModulus) {
   std::vector<double> weights(std::size_t(sub.numNodes()), 0.0);
   for (const auto& group : sub.groups) {

@@ -19,6 +19,7 @@ struct OwnRow {
   std::int64_t node;
 };
 
+// Three gluing rows for every copy but the first; a Dirichlet row acts on all copies by 1 / sqrt(mu), hence its c.
 void addRowsOfNode(const RowShare::Node& node, std::vector<OwnRow>& rows) {
   const int mu = int(node.stiffness.size());
   for (int k = 0; k < 3 * (mu - 1); ++k) rows.push_back({node.gluing + k, RowKind::Gluing, 0, 0.0, node.node});
@@ -27,6 +28,7 @@ void addRowsOfNode(const RowShare::Node& node, std::vector<OwnRow>& rows) {
       rows.push_back({node.dirichlet[d], RowKind::Dirichlet, char(mu == 0), std::sqrt(double(mu)) * node.prescribed[d], node.node});
 }
 
+// Rows that a pair has, in the order N, T1, T2, or x, y, z of a tied one.
 void addRowsOfPair(const RowShare::Pair& pair, std::vector<OwnRow>& rows) {
   for (std::size_t a = 0; a < 3; ++a) {
     if (pair.rows[a] < 0) continue;
@@ -61,6 +63,7 @@ MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const RowSourc
   coupledCopies_ = share.coupled;
 }
 
+// Own rows ascend; behind them, in the overlap map, come those of other ranks that this rank's subdomains touch.
 void MultiplierMap::takeOwnRows(const RCP<const Communicator>& comm, const RowShare& share) {
   std::vector<OwnRow> rows;
   for (const auto& node : share.nodes) addRowsOfNode(node, rows);
@@ -90,6 +93,7 @@ void MultiplierMap::takeOwnRows(const RCP<const Communicator>& comm, const RowSh
   remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
 }
 
+// Global rows become local ones.
 void MultiplierMap::takeNodes(const RowShare& share) {
   const auto local = [&](GlobalOrdinal row) { return row < 0 ? -1 : map_->getLocalElement(row); };
   for (const auto& node : share.nodes) {
@@ -100,6 +104,7 @@ void MultiplierMap::takeNodes(const RowShare& share) {
   }
 }
 
+// Contact pairs, then tied ones, each by interface and position: the order of laws and of results.
 void MultiplierMap::takePairs(const RowShare& share) {
   const auto local = [&](GlobalOrdinal row) { return row < 0 ? -1 : map_->getLocalElement(row); };
   for (bool tied : {false, true})
@@ -115,6 +120,7 @@ void MultiplierMap::takePairs(const RowShare& share) {
     }
 }
 
+// A subdomain's entries lie together, by rows: that is how B is cut into local parts.
 void MultiplierMap::takeEntries(const RowSources& sources, const RowShare& share) {
   const int first = sources.subdomains.empty() ? 0 : sources.subdomains.front().id;
   const auto add = [&](GlobalOrdinal row, int subdomain, int dof, double value) {

@@ -13,6 +13,8 @@ GlobalOrdinal sumOverLowerRanks(const Communicator& comm, GlobalOrdinal mine) {
   return sum - mine;
 }
 
+// Places are ranges of ranks: every rank adds up what lies in its range, a scan over the ranks gives what lies before, and the
+// answers go back the way the items came.
 std::vector<GlobalOrdinal> scanInOrder(const Communicator& comm, const std::vector<PlacedCount>& items, GlobalOrdinal total) {
   if (total == 0) return {};
   const GlobalOrdinal perRank = (total - 1) / comm.getSize() + 1, first = perRank * comm.getRank();

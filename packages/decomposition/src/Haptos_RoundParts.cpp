@@ -57,6 +57,7 @@ class VoronoiParts {
 
   double power(std::size_t e, int p) const { return squaredDistance(centroids_[e], centres_[p]) - weights_[p]; }
 
+  // Sizes, centres and spreads of the parts as they are.
   void measure() {
     sizes_.assign(wanted_.size(), 0);
     centres_.assign(wanted_.size(), Point{0, 0, 0});
@@ -90,6 +91,7 @@ class VoronoiParts {
 
 }  // namespace
 
+// Lloyd's iteration: elements to the nearest centre, centres to the middle of their elements, until nothing moves.
 void roundParts(const DualGraph& graph, const std::vector<Point>& centroids, const std::vector<double>& wanted, std::vector<int>& part) {
   constexpr int kSweeps = 60;  // twice as many gain nothing on the average, 30 are a little worse
   VoronoiParts parts(graph, centroids, wanted, part);

@@ -103,6 +103,7 @@ class RowDealer {
   GlobalOrdinal numEquality_ = 0, numRows_ = 0, numContact_ = 0;
 };
 
+// Ranks have ranges of subdomains: the first of each tells who has which.
 void RowDealer::learnRanks(const RowSources& sources) {
   ByteWriter writer;
   if (!sources.subdomains.empty()) writer.write(sources.subdomains.front().id);
@@ -260,6 +261,8 @@ void RowDealer::findHolders() {
 
 int holderOf(const Labels& label) { return label[0] == kNone || label[0] == -label[1] ? -1 : label[0]; }
 
+// Gluing rows of all nodes, then Dirichlet rows of all, both in the order of node indices: the directory's ranges ascend with
+// the ranks, so a sum over the lower ranks is where each begins.
 void RowDealer::dealNodes() {
   GlobalOrdinal gluing = 0, dirichlet = 0;
   const auto visit = [&](auto&& each) {
@@ -386,6 +389,7 @@ void RowDealer::dealCoupledCopies() {
   }
 }
 
+// What every rank is to know of rows: those that it owns, and its subdomains' entries in all rows.
 RowShare RowDealer::receive() {
   std::vector<Bytes> messages;
   for (Parcel& parcel : parcels_) {

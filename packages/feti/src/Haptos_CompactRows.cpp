@@ -19,6 +19,7 @@ RCP<const Map> keptMap(const Map& map, const std::vector<char>& isKept, std::siz
 
 }  // namespace
 
+// Rows are numbered anew, own ones first, and entries keep what `place` knows; the rest of B is not there.
 CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<char>& isKept, Eigen::Index size,
                          const std::function<Eigen::Index(int, int)>& place,
                          const std::function<double(const MultiplierMap::OverlapEntry&)>& scale)
@@ -40,6 +41,7 @@ CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<cha
   }
 }
 
+// t = B^T x of the kept rows, x this rank's own ones.
 Eigen::VectorXd CompactRows::spread(const Eigen::VectorXd& x) const {
   const Eigen::VectorXd remote = remote_->fetch(x);
   Eigen::VectorXd t = Eigen::VectorXd::Zero(size_);
@@ -47,6 +49,7 @@ Eigen::VectorXd CompactRows::spread(const Eigen::VectorXd& x) const {
   return t;
 }
 
+// B t on this rank's own kept rows.
 Eigen::VectorXd CompactRows::collect(const Eigen::VectorXd& t) const {
   const Eigen::Index owned = Eigen::Index(rows_.size());
   Eigen::VectorXd y = Eigen::VectorXd::Zero(owned), remote = Eigen::VectorXd::Zero(Eigen::Index(localNumElements(*remote_->map())));

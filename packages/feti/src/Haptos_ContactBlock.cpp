@@ -65,6 +65,7 @@ ContactBlock::ContactBlock(RCP<const DualPreconditioner> preconditioner) : preco
   nearPairs_ = positionsIn(pairs().rows(), near_->rows());
 }
 
+// Rows of couplings that meet contact rows at a node: their Gram matrix couples those and no others.
 std::vector<char> ContactBlock::findNearRows() {
   const MultiplierMap& multipliers = preconditioner_->jump().multipliers();
   std::vector<char> marks(localNumElements(*multipliers.overlapMap()), 0);
@@ -129,6 +130,7 @@ DenseSymmetric ContactBlock::denseBlock(int congruenceClass) const {
           preconditioner_->isDouble(congruenceClass) ? DenseSymmetric::Precision::Double : DenseSymmetric::Precision::Single};
 }
 
+// t := S_cc t class by class, the members of a class side by side: one product for all of them.
 void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   for (std::size_t c = 0; c < unknowns_.size(); ++c) {
     if (active_[c].empty()) continue;
@@ -141,6 +143,8 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   }
 }
 
+// M_cc x = B_D S B_D^T x, both ends on contact rows: the inverse of their Gram matrix, B^T to the unknowns of contact nodes, S
+// between those, and back.
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const Eigen::VectorXd forces = pairs().solve(extended(columnOf(x, v), contact_, pairs().rows().size()));
@@ -190,6 +194,7 @@ void ContactRows::findTouchingRows() {
                                             [](const MultiplierMap::OverlapEntry& entry) { return 1.0 / entry.weight; });
 }
 
+// The left end is that of M_cc; the right one takes all rows that touch an active subdomain, on all of its boundary.
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const Eigen::VectorXd weighted = preconditioner_->gram().multiply(columnOf(x, v));

@@ -21,6 +21,7 @@ DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const L
     weights_[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof] = 1.0 / entry.weight;
 }
 
+// t := S t on the surfaces, classes with many members in blocks of columns: what BLAS 3 needs, with a bound on memory.
 void DualPreconditioner::applyLocal(MultiVector& t) const {
   const auto& offsets = jump_->primalOffsets();
   const auto data = t.getDataNonConst(0);
@@ -40,6 +41,7 @@ void DualPreconditioner::applyLocal(MultiVector& t) const {
   }
 }
 
+// t := W t
 void DualPreconditioner::scale(MultiVector& t) const {
   for (std::size_t v = 0; v < t.getNumVectors(); ++v) {
     const auto data = t.getDataNonConst(v);
@@ -47,6 +49,7 @@ void DualPreconditioner::scale(MultiVector& t) const {
   }
 }
 
+// t = B_D^T x = W B^T (B W B^T)^+ x
 void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
   MultiVector z(x.getMap(), x.getNumVectors(), false);
   gram_.apply(x, z);
@@ -54,6 +57,7 @@ void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
   scale(t);
 }
 
+// y = B_D t; t is scaled in place
 void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   MultiVector z(y.getMap(), y.getNumVectors(), false);
   scale(t);
@@ -61,6 +65,7 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   gram_.apply(z, y);
 }
 
+// M x = B_D S B_D^T x, vector by vector in workspaces that stay
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   if (t_.is_null()) t_ = Teuchos::rcp(new MultiVector(jump_->getDomainMap(), 1, false));
   MultiVector z(x.getMap(), 1, false);
@@ -73,6 +78,7 @@ void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ET
   }
 }
 
+// Not exact: S by its diagonal, B W B^T by that of its inverse.  It weighs rows against each other, for which that is enough.
 RCP<Vector> DualPreconditioner::diagonal() const {
   const auto& offsets = jump_->primalOffsets();
   std::vector<double> diagS(offsets.back(), 0.0);

@@ -84,6 +84,7 @@ class RowBuilder {
   std::vector<int> next_;  // [rows + 1] entries before a row, later before its next piece
 };
 
+// Pieces of rows that other ranks own, all values one after the other.
 Pieces exchangePieces(const Communicator& comm, const std::vector<Pieces>& outgoing) {
   std::vector<Bytes> messages;
   for (const auto& part : outgoing) {
@@ -116,6 +117,8 @@ std::vector<int> numberKernels(const Communicator& comm, const LocalSystems& sys
 
 }  // namespace
 
+// Rows of G^T = B R at their owners: B's entries of a row in a subdomain times R of it, a piece.  Pieces are counted, then made
+// once more and put in their places: rows of growing length would be moved about.
 NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const LocalSystems& systems) : jump_(std::move(jump)) {
   const MultiplierMap& multipliers = jump_->multipliers();
   const auto& map = *multipliers.map();
@@ -154,6 +157,7 @@ NaturalCoarseSpace::NaturalCoarseSpace(RCP<const JumpOperator> jump, const Local
   }
 }
 
+// This rank's rows of x in G x; what sums up is the caller's.
 Eigen::MatrixXd NaturalCoarseSpace::partOfG(const MultiVector& x) const {
   Eigen::MatrixXd mine(GT_.cols(), Eigen::Index(x.getNumVectors()));
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
@@ -170,6 +174,7 @@ Eigen::MatrixXd NaturalCoarseSpace::applyG(const MultiVector& x) const {
   return sum;
 }
 
+// y := alpha G^T a + beta y, on own rows: nothing is sent.
 void NaturalCoarseSpace::applyGT(const Eigen::MatrixXd& a, MultiVector& y, double alpha, double beta) const {
   if (beta == 0.0) y.putScalar(0.0);
   else if (beta != 1.0) y.scale(beta);
@@ -199,6 +204,7 @@ void NaturalCoarseSpace::apply(const MultiVector& x, MultiVector& y, Teuchos::ET
   applyGT(a, y, alpha, beta);
 }
 
+// e = R^T f
 Eigen::VectorXd NaturalCoarseSpace::restrictLoad(const MultiVector& f, const LocalSystems& systems) const {
   Eigen::VectorXd mine = Eigen::VectorXd::Zero(dimension()), sum(dimension());
   const auto data = f.getData(0);
@@ -210,6 +216,7 @@ Eigen::VectorXd NaturalCoarseSpace::restrictLoad(const MultiVector& f, const Loc
   return sum;
 }
 
+// u += R a
 void NaturalCoarseSpace::addRigidMotion(const Eigen::VectorXd& a, const LocalSystems& systems, MultiVector& u) const {
   const auto data = u.getDataNonConst(0);
   const auto& offsets = jump_->primalOffsets();

@@ -85,6 +85,8 @@ void RowGram::applyBlock(const Block& block, const Eigen::VectorXd& g, const dou
   }
 }
 
+// Contact rows first, from their own matrix with the gluing rows eliminated; then node by node the gluing and Dirichlet rows,
+// with what contact rows leave them.
 void RowGram::applyTo(const double* x, double* y) const {
   const auto& rows = pairs_.rows();
   Eigen::VectorXd contact(Eigen::Index(rows.size())), g = Eigen::VectorXd::Zero(3 * Eigen::Index(pairs_.nodes().size()));
@@ -110,6 +112,7 @@ void RowGram::apply(const MultiVector& x, MultiVector& y) const {
   }
 }
 
+// Of the inverse, block by block as `applyTo` multiplies.
 Eigen::VectorXd RowGram::diagonal() const {
   Eigen::VectorXd result = Eigen::VectorXd::Zero(numRows_);
   for (std::size_t i = 0; i < pairs_.rows().size(); ++i) result[pairs_.rows()[i]] = pairs_.rowDiagonal()[Eigen::Index(i)];

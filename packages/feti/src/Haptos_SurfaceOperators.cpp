@@ -4,6 +4,7 @@
 namespace Haptos {
 namespace {
 
+// diag S exactly would cost a solve an unknown.
 Eigen::VectorXd estimateDiagonal(const Eigen::SparseMatrix<double>& K, const std::vector<int>& boundary, PreconditionerKind kind) {
   constexpr double kSchurOfStiffness = 0.5;  // diag(S) / diag(K_bb), typical of surface nodes
   const double factor = kind == PreconditionerKind::Dirichlet ? kSchurOfStiffness : 1.0;
@@ -24,6 +25,7 @@ SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const JumpOperat
   while (numClasses() < systems.numClasses()) add(systems, jump);
 }
 
+// The dense S that K^+ came with, or solves with K_ii; in double by solves where soft motions live in the last digits of S.
 void SurfaceOperators::add(const LocalSystems& systems, const JumpOperator& jump) {
   const int c = numClasses(), first = systems.members()[c].front();
   const auto& K = systems.stiffness(c);

@@ -11,6 +11,7 @@ AutomaticSolver::AutomaticSolver(SolverContext context, const SolverOptions& opt
       newton_(context_, options),
       current_(&newton_) {}
 
+// Who did how much; one name alone where nobody helped.
 std::string AutomaticSolver::name() const {
   if (work_.size() == 1) return work_.front().first;
   std::string text;
@@ -23,6 +24,7 @@ int AutomaticSolver::outerIterations() const {
   return newton_.outerIterations() + (smalse_ ? smalse_->outerIterations() : 0);
 }
 
+// A method's history and multiplications are added to those of all; who goes on after himself is not named twice.
 bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   current_ = &solver;
   const auto& F = *context_.system.dual().F;
@@ -36,6 +38,7 @@ bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   return passed;
 }
 
+// By the same estimate for all methods, without a tolerance: what round-off hides counts as what it is.
 void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
   const DualSolution& solution = solver.solution();
   KktEstimator estimator(context_.system, context_.loads, KktEstimator::Balance::Sought);
@@ -43,6 +46,8 @@ void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
   if (!best_ || estimator.kkt() < best_->kkt) best_ = Attempt{solution, solver.outcome(), estimator.kkt(), estimator.isRoundOff()};
 }
 
+// Newton; SMALSE until the states of contact are settled; Newton from there; SMALSE to the end.  A further call goes on with
+// whoever came last.
 bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   constexpr double kStatesSettled = 1e-3;
   const auto needsHelp = [&] {

@@ -8,6 +8,7 @@
 
 namespace Haptos {
 
+// The largest displacement of today, and what round-off does to forces at such displacements.
 void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
   const auto u = recoverPrimal(system_.dual(), system_.f(), system_.c(), lambda, s);
   const auto data = u->getData(0);
@@ -19,6 +20,7 @@ void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
   floor_ = ext > 0 ? roundOff_ / ext : 0.0;
 }
 
+// One reduction for all three.
 KktEstimator::Sizes KktEstimator::measureSizes(const Vector& lambda, const Vector& s) const {
   const auto& kinds = system_.jump().multipliers().kinds();
   double mine[3] = {localReactions(system_.jump().multipliers(), lambda).largest, largestContactForce(system_.law(), lambda), 0}, all[3];
@@ -29,6 +31,7 @@ KktEstimator::Sizes KktEstimator::measureSizes(const Vector& lambda, const Vecto
   return {all[0], all[1], all[2]};
 }
 
+// || G lambda - e || / ext: the part of equilibrium that a dual method can miss; the rest holds by construction of u.
 double KktEstimator::measureEquilibrium(const Vector& lambda) const {
   const Eigen::VectorXd part = system_.dual().G->partOfG(lambda);
   Eigen::VectorXd mine(part.size() + 1), all(part.size() + 1);
@@ -47,12 +50,14 @@ double KktEstimator::errorsAt(double uRef, const Vector& lambda, const Vector& s
   return errors.kkt();
 }
 
+// What round-off hides; 0 where there is no answer yet that it could hide.
 double KktEstimator::hidden() const {
   constexpr double kHidden = 0.1;        // of the floor, which is a bound: measured errors end at about this
   constexpr double kLargestFloor = 1e-2;  // above it the state is a start without forces, not an answer hidden by round-off
   return floor_ < kLargestFloor ? kHidden * floor_ : 0.0;
 }
 
+// In the order of cost: contact and gluing, equilibrium, and a local solve for the scale only where all else passes.
 double KktEstimator::estimate(const Vector& lambda, const Vector& s, double tolerance, Scale scale) {
   constexpr double kShrunk = 0.25;
   if (uRef_ < 0) renewScale(lambda, s);

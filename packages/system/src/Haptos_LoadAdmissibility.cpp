@@ -53,6 +53,7 @@ SparseRows pairRows(const ContactLaw& law, const SparseRows& GZ, const Eigen::Ma
   return H;
 }
 
+// Coulomb's cone with all three components in it, which the law of a pair is not: forces are asked for, not motions.
 ConeProjection projectPair(const PairLaw& pair, const std::array<double, 3>& x) {
   if (pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned)
     return projectOntoFrictionCone(x, pair.coefficients);
@@ -74,6 +75,7 @@ class RigidBalance {
     eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
   }
 
+  // P(H a) pair by pair; H^T P and H^T P' H in one reduction.
   DualState evaluate(const Eigen::VectorXd& a) const {
     const Eigen::VectorXd x = H_ * a;
     Eigen::VectorXd p(x.size());
