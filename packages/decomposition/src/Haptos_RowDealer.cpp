@@ -13,21 +13,15 @@
 #include "Haptos_Format.hpp"
 #include "Haptos_NodeDirectory.hpp"
 #include "Haptos_OrderedScan.hpp"
+#include "Haptos_PairDraft.hpp"
 
 namespace Haptos {
 namespace {
 
 using Labels = NodeDirectory::Labels;
+using Draft = PairDraft;
 constexpr int kNone = std::numeric_limits<int>::max();
-constexpr double kRoundOff = 1e-12;  // of a unit vector: such entries would only hide an empty row
 
-// A pair at the rank that makes its rows.
-struct Draft {
-  PlacedPair placed;
-  std::vector<std::pair<int, double>> nodes;  // record, signed weight; every node once
-  std::array<std::array<double, 3>, 3> axes;
-  RowShare::Pair share;
-};
 
 // Everything that goes to one rank.
 struct Parcel {
@@ -51,7 +45,7 @@ class RowDealer {
     takePairs(sources);
     requireNodes();
     findOwners();
-    for (Draft& draft : drafts_) makeRows(draft);
+    for (Draft& draft : drafts_) makeRows(directory_, interfaces_[std::size_t(draft.placed.interface)], draft);
     requireTiedValues();
     findHolders();
   }
@@ -69,7 +63,6 @@ class RowDealer {
   void takePairs(const RowSources& sources);
   void requireNodes() const;
   void findOwners();
-  void makeRows(Draft& draft) const;
   void requireTiedValues() const;
   void findHolders();
   void dealNodes();
@@ -144,15 +137,7 @@ void RowDealer::takePairs(const RowSources& sources) {
   std::sort(drafts_.begin(), drafts_.end(), [](const Draft& a, const Draft& b) {
     return std::make_pair(a.placed.interface, a.placed.position) < std::make_pair(b.placed.interface, b.placed.position);
   });
-  for (Draft& draft : drafts_)
-    for (const auto* side : {&draft.placed.pair.secondary, &draft.placed.pair.primary})
-      for (const auto& [node, weight] : *side) {
-        const int record = directory_.find(node);
-        const double signedWeight = side == &draft.placed.pair.secondary ? weight : -weight;
-        const auto known = std::find_if(draft.nodes.begin(), draft.nodes.end(), [&](const auto& n) { return n.first == record; });
-        if (known == draft.nodes.end()) draft.nodes.emplace_back(record, signedWeight);
-        else known->second += signedWeight;  // a node on both sides
-      }
+  for (Draft& draft : drafts_) findNodes(directory_, draft);
 }
 
 void RowDealer::requireNodes() const {
@@ -190,29 +175,6 @@ std::vector<int> RowDealer::membersOf(const Draft& draft) const {
   return members;
 }
 
-// c of a row is its gap minus what prescribed displacements contribute to the jump.
-void RowDealer::makeRows(Draft& draft) const {
-  const PlacedPair& placed = draft.placed;
-  const InterfaceRows& interface = interfaces_[std::size_t(placed.interface)];
-  const LocalFrame& frame = placed.pair.frame;
-  draft.axes = {frame.normal, frame.t1, frame.t2};
-  if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
-  RowShare::Pair& share = draft.share;
-  share.interface = placed.interface;
-  share.position = placed.position;
-  share.isTied = interface.tied;
-  share.c = {interface.tied ? 0.0 : placed.pair.gap, 0.0, 0.0};
-  share.pinned = {1, 1, 1};
-  for (const auto& [index, weight] : draft.nodes) {
-    const NodeRecord& record = directory_.records()[std::size_t(index)];
-    for (std::size_t a = 0; a < 3; ++a)
-      for (std::size_t d = 0; d < 3; ++d) {
-        if (record.isPrescribed[d]) share.c[a] -= weight * draft.axes[a][d] * record.prescribed[d];
-        else if (weight != 0 && std::abs(draft.axes[a][d]) >= kRoundOff) share.pinned[a] = 0;
-      }
-  }
-}
-
 // A tied row that is left empty must hold by itself; the first one that does not is told.
 void RowDealer::requireTiedValues() const {
   CaughtError error;
@@ -222,7 +184,7 @@ void RowDealer::requireTiedValues() const {
       double largest = 0;
       for (const auto& [index, weight] : draft.nodes)
         largest = std::max(largest, std::abs(directory_.records()[std::size_t(index)].prescribed[d]));
-      if (!draft.share.pinned[d] || std::abs(draft.share.c[d]) <= kRoundOff * largest) continue;
+      if (!draft.share.pinned[d] || std::abs(draft.share.c[d]) <= PairDraft::kRoundOff * largest) continue;
       where = {draft.share.interface, draft.share.position};
       error = {2, "The model has no solution: the displacements prescribed on both sides of contact '" +
                       interfaces_[std::size_t(where.first)].name + "' part a tied pair by " +
@@ -364,7 +326,7 @@ void RowDealer::dealPair(const Draft& draft) {
       for (std::size_t a = 0; a < 3; ++a)
         for (int d = 0; d < 3 && share.rows[a] >= 0 && weight != 0; ++d) {
           const double value = weight * draft.axes[a][std::size_t(d)];
-          if (!record.isPrescribed[std::size_t(d)] && std::abs(draft.axes[a][std::size_t(d)]) >= kRoundOff)
+          if (draft.acts(a, std::size_t(d), record))
             entries.push_back({share.rows[a], copy.subdomain, 3 * copy.localNode + d, value / record.numCopies});
         }
     }

@@ -44,6 +44,38 @@ Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
   return d.asDiagonal() * (eigen.vectors * inverse.asDiagonal() * eigen.vectors.transpose()) * d.asDiagonal();
 }
 
+// Column of C of a component of a node.
+struct NodeColumn {
+  const PairNode* node;
+  double weight;                                // W
+  std::vector<std::pair<int, double>> entries;  // row, coefficient
+};
+using NodeColumns = std::map<std::pair<std::int64_t, int>, NodeColumn>;
+
+template <class WeightOf>
+NodeColumns columnsOf(const std::vector<const Coupling*>& couplings, const WeightOf& weightOf) {
+  NodeColumns columns;
+  int row = 0;
+  for (const Coupling* coupling : couplings)
+    for (std::size_t a = 0; a < 3; ++a) {
+      if (coupling->rows[a] < 0) continue;
+      forEachCoefficient(coupling->axes[a], coupling->nodes, [&](const PairNode& node, int d, double value) {
+        columns.try_emplace({node.node, d}, NodeColumn{&node, weightOf(node), {}}).first->second.entries.emplace_back(row, value);
+      });
+      ++row;
+    }
+  return columns;
+}
+
+// S = C W C^T
+Eigen::MatrixXd gramOf(const NodeColumns& columns, int rows) {
+  Eigen::MatrixXd S = Eigen::MatrixXd::Zero(rows, rows);
+  for (const auto& [unknown, column] : columns)
+    for (const auto& [i, a] : column.entries)
+      for (const auto& [j, b] : column.entries) S(i, j) += a * b * column.weight;
+  return S;
+}
+
 RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& items, const RCP<const Teuchos::Comm<int>>& comm) {
   return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                               Teuchos::ArrayView<const GlobalOrdinal>(items.data(), Teuchos_Ordinal(items.size())), 0, comm));
@@ -66,6 +98,19 @@ struct CouplingGram::Held {
   std::vector<Item> items;
   std::vector<GlobalOrdinal> rows;
   std::vector<std::int64_t> nodes;  // those with gluing rows, ascending
+
+  void add(ByteReader& reader) {
+    Item item;
+    for (auto& row : item.rows) {
+      row = reader.read<GlobalOrdinal>();
+      if (row >= 0) rows.push_back(row);
+    }
+    item.axes = reader.read<std::array<std::array<double, 3>, 3>>();
+    item.nodes = reader.readVector<PairNode>();
+    for (const PairNode& node : item.nodes)
+      if (node.owner >= 0 && isFree(node)) nodes.push_back(node.node);
+    items.push_back(std::move(item));
+  }
 };
 
 CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScaling)
@@ -137,35 +182,19 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups) {
   std::vector<Eigen::Triplet<double>> inverse, coefficients;
   for (const Group& group : groups) {
     if (group.rows.empty() || group.rows.size() > kMostDense) continue;
-    struct Column {
-      double weight;
-      int place;  // among the nodes' values; -1: no gluing rows
-      std::vector<std::pair<int, double>> entries;
-    };
-    std::map<std::pair<std::int64_t, int>, Column> columns;
-    int row = 0;
-    for (const Coupling* coupling : group.couplings)
-      for (std::size_t a = 0; a < 3; ++a) {
-        if (coupling->rows[a] < 0) continue;
-        forEachCoefficient(coupling->axes[a], coupling->nodes, [&](const PairNode& node, int d, double value) {
-          const int place = node.owner < 0 ? -1 : 3 * positionOfNode(node.node) + d;
-          columns.try_emplace({node.node, d}, Column{weightOf(node), place, {}}).first->second.entries.emplace_back(row, value);
-          if (place >= 0) coefficients.emplace_back(group.rows[std::size_t(row)], place, value);
-        });
-        ++row;
-      }
-    Eigen::MatrixXd S = Eigen::MatrixXd::Zero(row, row);
-    for (const auto& [unknown, column] : columns)
+    const auto columns = columnsOf(group.couplings, [&](const PairNode& node) { return weightOf(node); });
+    const int rows = int(group.rows.size());
+    const Eigen::MatrixXd dense = pseudoInverse(gramOf(columns, rows));
+    for (const auto& [unknown, column] : columns) {
+      if (column.node->owner < 0) continue;
+      const int place = 3 * positionOfNode(unknown.first) + unknown.second;
+      for (const auto& [i, a] : column.entries) coefficients.emplace_back(group.rows[std::size_t(i)], place, a);
       for (const auto& [i, a] : column.entries)
-        for (const auto& [j, b] : column.entries) S(i, j) += a * b * column.weight;
-    const Eigen::MatrixXd dense = pseudoInverse(std::move(S));
-    for (const auto& [unknown, column] : columns)
-      for (const auto& [i, a] : column.entries)
-        for (const auto& [j, b] : column.entries)
-          if (column.place >= 0) nodeDiagonal_[column.place] += a * dense(i, j) * b;
+        for (const auto& [j, b] : column.entries) nodeDiagonal_[place] += a * dense(i, j) * b;
+    }
     const double negligible = 1e-15 * dense.cwiseAbs().maxCoeff();
-    for (int i = 0; i < row; ++i)
-      for (int j = 0; j < row; ++j)
+    for (int i = 0; i < rows; ++i)
+      for (int j = 0; j < rows; ++j)
         if (std::abs(dense(i, j)) > negligible) inverse.emplace_back(group.rows[std::size_t(i)], group.rows[std::size_t(j)], dense(i, j));
   }
   inverse_.resize(n, n);
@@ -201,18 +230,7 @@ void CouplingGram::holdFactors(const std::vector<int>& holders) {
   for (auto& writer : writers) messages.push_back(writer.take());
   Held held;
   for (const auto& message : exchangeAll(comm, messages))
-    for (ByteReader reader(message); !reader.atEnd();) {
-      Held::Item item;
-      for (auto& row : item.rows) {
-        row = reader.read<GlobalOrdinal>();
-        if (row >= 0) held.rows.push_back(row);
-      }
-      item.axes = reader.read<std::array<std::array<double, 3>, 3>>();
-      item.nodes = reader.readVector<PairNode>();
-      for (const PairNode& node : item.nodes)
-        if (node.owner >= 0 && isFree(node)) held.nodes.push_back(node.node);
-      held.items.push_back(std::move(item));
-    }
+    for (ByteReader reader(message); !reader.atEnd();) held.add(reader);
   std::sort(held.nodes.begin(), held.nodes.end());
   held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
   factorHeld(held);

@@ -167,6 +167,11 @@ void Simulation::describeLocalSystems() {
   m.explicitSubdomains = int(all[0]);
   m.explicitMemoryMb = all[1];
   m.congruenceClasses = int(all[2]);
+  const long dropped = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->gram().pairs().numDropped();
+  long allDropped = 0;
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, dropped, Teuchos::outArg(allDropped));
+  if (allDropped > 0)
+    m.notes.push_back(std::to_string(allDropped) + " multipliers of pairs depend on others; the preconditioner leaves them out");
 }
 
 std::unique_ptr<ContactSolver> Simulation::makeSolver() {
