@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Makes benchmark meshes and tells what is in an Exodus file.  Serial.
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -11,8 +12,8 @@
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_ExodusReader.hpp"
 #include "Haptos_ExodusWriter.hpp"
+#include "Haptos_MeshFiles.hpp"
 
 namespace {
 
@@ -22,7 +23,7 @@ constexpr const char* usage = R"(Usage:
   haptos_mesh two-beams --subdomains-per-edge K --elements-per-subdomain-edge P --output FILE.exo
       writes the benchmark of two beams: each body has 2K x K x K bricks of P^3 hexahedra
   haptos_mesh info FILE.exo
-      prints blocks, sets, counts and the bounding box of an Exodus file
+      prints blocks, sets, counts and the bounding box of an Exodus file, or of a decomposed mesh
   haptos_mesh --help | --version
 Exit status: 0 done, 1 wrong usage or a wrong file, 70 another error.
 )";
@@ -83,7 +84,7 @@ std::string label(std::int64_t id, const std::string& name) {
 }
 
 void printInfo(const std::string& path) {
-  const auto mesh = Haptos::readExodus(path);
+  const auto mesh = Haptos::readMeshFiles(Teuchos::SerialComm<int>(), path).part;
   std::cout << "File: " << path << (mesh.wideIntegers ? " (64-bit numbers)" : "") << "\n";
   if (!mesh.title.empty()) std::cout << "Title: " << mesh.title << "\n";
   std::cout << "Nodes: " << mesh.numNodes() << "\nElements: " << mesh.numElements() << "\n";

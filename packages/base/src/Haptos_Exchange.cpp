@@ -68,6 +68,7 @@ std::vector<Bytes> exchangeAll(const Communicator& comm, const std::vector<Bytes
 
 // Not MPI_Scatterv, whose counts are ints: messages are sent one by one, none of them copied.
 Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messages, int root) {
+  if (comm.getSize() == 1) return messages[0];
   const MPI_Comm raw = rawComm(comm);
   const bool isRoot = comm.getRank() == root;
   std::vector<std::uint64_t> sizes;
