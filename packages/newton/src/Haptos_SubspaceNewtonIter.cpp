@@ -93,7 +93,7 @@ void SubspaceNewtonIter::linearPass(const NewtonState& state, const NewtonLimits
   };
   if (subspace_.size() > 0) solve();
   for (int k = 0; (residual > target || (k == 0 && idle_)) && k < options_.maximumDirections && applications() < limits.maxApplications &&
-                  !hasStalled(limits, 2);
+                  !hasStalled(limits, options_.passPatience);
        ++k) {
     addDirection(dLambda, dS, state);
     solve();

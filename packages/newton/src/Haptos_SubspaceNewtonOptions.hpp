@@ -74,6 +74,7 @@ struct SubspaceNewtonOptions {
     int maximumDirections = 40;    ///< for one linearisation; an axis ratio of 1000 needs about twenty before anything falls
     /// They get three times the patience, for that reason (52 against 231 F).
     int linearPatience = 3;
+    int passPatience = 2;          ///< and within a pass twice that: cut off, its directions would be for nothing
     double goodStep = 0.5;         ///< a step that leaves less is good
     int goodSteps = 2;             ///< so many, and directions are made for the law of every step again
     double idle = 0.9;             ///< a linearisation that leaves more adds a direction the next time: no endless loop without F

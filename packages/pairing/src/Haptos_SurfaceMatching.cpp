@@ -8,6 +8,7 @@
 #include <set>
 #include <sstream>
 
+#include "Haptos_ApproachDirections.hpp"
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_FacetTree.hpp"
 #include "Haptos_LineGeometry.hpp"
@@ -18,47 +19,9 @@ namespace {
 
 constexpr double opposingCosine = -0.2;  // normals that enclose less than 101 degrees do not face each other
 constexpr double grazingCosine = -0.05;  // a face so steep against a line is not hit by it
-constexpr double smoothTurn = 0.35;  // sine; above it a node lies on an edge, its normal is no surface normal
-constexpr double approachCosine = 0.766;  // 40 degrees between a nodal normal and the direction of approach
 constexpr double edgeMargin = 0.1;  // of the element size: a node so near beyond an edge is opposite the face
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double degrees = 57.29577951308232;
-
-// Area-weighted; zero where the normals cancel (a closed surface).
-Vec3::Array meanNormal(const ContactSurface& surface) {
-  Vec3::Array mean{};
-  double area = 0.0;
-  for (std::size_t i = 0; i < surface.numNodes(); ++i) {
-    mean = Vec3::add(mean, Vec3::scale(surface.areas[i], surface.normals[i]));
-    area += surface.areas[i];
-  }
-  const double length = Vec3::norm(mean);
-  return length > 0.1 * area ? Vec3::scale(1.0 / length, mean) : Vec3::Array{};
-}
-
-bool isSmooth(const ContactSurface& surface) {
-  return std::all_of(surface.turns.begin(), surface.turns.end(),
-                     [](double turn) { return turn < smoothTurn; });
-}
-
-// Directions along which curved surfaces some way apart may have been meshed alike (a sphere over a plane,
-// its mirror image): between the mean normals, along either of them.  None of its own where a surface has
-// edges or bends away from the direction: there only the nodal normals count.
-std::vector<Vec3::Array> approachDirections(const ContactSurface& secondary, const ContactSurface& primary) {
-  std::vector<Vec3::Array> directions;
-  if (!isSmooth(secondary) || !isSmooth(primary)) return directions;
-  const auto n = meanNormal(secondary), m = Vec3::scale(-1.0, meanNormal(primary));
-  const auto isClose = [&](const Vec3::Array& a) {
-    return std::all_of(secondary.normals.begin(), secondary.normals.end(),
-                       [&](const auto& normal) { return Vec3::dot(normal, a) > approachCosine; });
-  };
-  for (const auto& sum : {Vec3::add(n, m), m, n}) {
-    if (!(Vec3::norm(sum) > 0.5)) continue;
-    const auto direction = Vec3::normalized(sum);
-    if (isClose(direction)) directions.push_back(direction);
-  }
-  return directions;
-}
 
 // The largest tangential mismatch so far, of a node that lies opposite a face but not opposite a node.
 struct Mismatch {
