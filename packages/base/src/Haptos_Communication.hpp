@@ -1,7 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 
+namespace Teuchos {
+template <class Ordinal>
+class Comm;
+}  // namespace Teuchos
+
 namespace Haptos {
+
+using Communicator = Teuchos::Comm<int>;
 
 /// \brief What this rank has sent, as handed to MPI; calls among one rank alone are not counted.
 ///

@@ -3,7 +3,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_Communication.hpp"
 
 namespace Haptos {
 

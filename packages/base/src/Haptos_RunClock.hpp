@@ -6,7 +6,6 @@
 #include <vector>
 
 #include "Haptos_Communication.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Teuchos_RCPDecl.hpp>
-#include <Tpetra_ConfigDefs.hpp>
 #include <Tpetra_CrsMatrix_fwd.hpp>
 #include <Tpetra_Details_DefaultTypes.hpp>
 #include <Tpetra_Export_fwd.hpp>
@@ -11,9 +10,9 @@
 #include <Tpetra_Operator_fwd.hpp>
 #include <Tpetra_Vector_fwd.hpp>
 
+#include "Haptos_Communication.hpp"
+
 namespace Teuchos {
-template <class Ordinal>
-class Comm;
 class ParameterList;
 }  // namespace Teuchos
 
@@ -28,6 +27,5 @@ using MultiVector = Tpetra::MultiVector<double>;
 using Vector = Tpetra::Vector<double>;
 using Operator = Tpetra::Operator<double>;
 using CrsMatrix = Tpetra::CrsMatrix<double>;
-using Communicator = Teuchos::Comm<int>;
 
 }  // namespace Haptos

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Partition.hpp"
 
+#include <Teuchos_Assert.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -3,8 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_DualGraph.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_ParameterTree.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Types_fwd.hpp"
 
 // Newer Trilinos may bring its own CHOLMOD adapter; ours is for those that do not.
 #if defined(HAPTOS_HAVE_CHOLMOD) && !defined(HAVE_AMESOS2_CHOLMOD)

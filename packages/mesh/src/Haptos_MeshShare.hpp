@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_EvenRanges.hpp"
 #include "Haptos_Mesh.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -2,9 +2,9 @@
 #pragma once
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_ContactLaw.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

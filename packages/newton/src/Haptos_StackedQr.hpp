@@ -2,7 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_Communication.hpp"
 
 namespace Haptos {
 
