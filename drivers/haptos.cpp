@@ -18,7 +18,6 @@
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
-#include "Haptos_MpiCounter.hpp"
 #include "Haptos_Parameters.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_RunOptions.hpp"
@@ -140,7 +139,6 @@ int main(int argc, char* argv[]) {
   char** arguments = programAlone;
   int count = 1;
   Tpetra::ScopeGuard mpi(&count, &arguments);
-  countMpiCalls();
   const auto comm = Tpetra::getDefaultComm();
   const auto report = [&](const char* kind, const std::exception& e) {
     if (comm->getRank() == 0) std::cerr << "haptos: " << kind << e.what() << std::endl;

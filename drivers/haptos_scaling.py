@@ -95,7 +95,10 @@ class Runner:
             if done.returncode not in (0, 2) or not path.exists():
                 told = [line for line in done.stderr.splitlines() if line.startswith("haptos: ")] or done.stderr.split("\n")
                 raise Failure(f"k = {k}, p = {p} on {ranks} ranks: exit status {done.returncode}: {told[0].strip()[:300]}")
-            return json.loads(path.read_text())
+            summary = json.loads(path.read_text())
+            if "communication" not in summary:
+                raise Failure(f"--haptos {self.options.haptos}: does not count MPI calls; haptos_counting does")
+            return summary
 
     def base_memory(self, ranks):
         """Megabytes of all ranks with next to nothing in them: program, libraries, MPI."""
@@ -180,7 +183,7 @@ def parse():
     parser = Parser(prog="haptos_scaling", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--study", action="append", choices=tuple(STUDIES))
     parser.add_argument("--cell", action="append", nargs=3, type=int, metavar=("K", "P", "RANKS"))
-    parser.add_argument("--haptos", default=str(ROOT / "build/release/bin/haptos"))
+    parser.add_argument("--haptos", default=str(ROOT / "build/release/bin/haptos_counting"))
     parser.add_argument("--input", default=str(ROOT / "inputs/table31.xml"), help="an input with Mesh->Two Beams")
     parser.add_argument("--mpirun", default="mpirun --oversubscribe --bind-to none")
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="passed on to haptos")

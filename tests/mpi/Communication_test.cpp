@@ -4,7 +4,6 @@
 #include <algorithm>
 
 #include "Haptos_Exchange.hpp"
-#include "Haptos_MpiCounter.hpp"
 #include "RankRuns.hpp"
 
 using namespace Haptos;
@@ -19,7 +18,6 @@ constexpr long kMostReductions = 34;
 
 template <class Work>
 CommunicationCounts sentBy(Work&& work) {
-  countMpiCalls();
   const CommunicationCounts before = communicationSoFar();
   work();
   return communicationSoFar() - before;
@@ -37,7 +35,6 @@ std::vector<long> reductionsOfSteps(const SimulationResult& result) {
 }
 
 Run runCell(const RCP<const Communicator>& comm, int k, int p) {
-  countMpiCalls();
   return runBeams(comm, {{"Mesh->Two Beams->Subdomains Per Edge", std::to_string(k)},
                          {"Mesh->Two Beams->Elements Per Subdomain Edge", std::to_string(p)},
                          {"Solver->Method", "Subspace Newton"}});
@@ -99,7 +96,6 @@ TEUCHOS_UNIT_TEST(Communication, ReductionsOfAStepDoNotDependOnRanks) {
 
 // The bytes of B for one vector are always the same ones.
 TEUCHOS_UNIT_TEST(Communication, BytesOfBAreThoseOfThePlan) {
-  countMpiCalls();
   const Run run = runCell(world(), 2, 2);
   const JumpOperator& B = run.simulation->system().jump();
   const auto& importer = B.multipliers().remote().importer();

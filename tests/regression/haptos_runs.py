@@ -3,7 +3,7 @@
 
 Every test script takes the programs on its command line and hands the rest to unittest:
 
-    NAME_test.py --haptos PROGRAM [--meshes PROGRAM] [--mpirun "COMMAND"] [unittest's arguments]
+    NAME_test.py --haptos PROGRAM [--counting PROGRAM] [--meshes PROGRAM] [--mpirun "COMMAND"] [unittest's arguments]
 """
 import argparse
 import copy
@@ -25,6 +25,7 @@ programs = argparse.Namespace()
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--haptos", required=True)
+    parser.add_argument("--counting", help="haptos with counters of MPI calls")
     parser.add_argument("--meshes")
     parser.add_argument("--mpirun", default="mpirun --oversubscribe")
     _, rest = parser.parse_known_args(namespace=programs)
@@ -49,8 +50,8 @@ class Outcome:
         return lines
 
 
-def run_haptos(arguments, ranks=1, folder=None, timeout=3000):
-    command = [programs.haptos, *map(str, arguments)]
+def run_haptos(arguments, ranks=1, folder=None, timeout=3000, counting=False):
+    command = [programs.counting if counting else programs.haptos, *map(str, arguments)]
     if ranks > 1:
         command = [*shlex.split(programs.mpirun), "-n", str(ranks), *command]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1",
@@ -130,10 +131,10 @@ class SceneTest(unittest.TestCase):
         if programs.meshes:
             subprocess.run([programs.meshes, str(self.folder)], check=True)
 
-    def run_scene(self, scene, *arguments, ranks=1):
+    def run_scene(self, scene, *arguments, ranks=1, counting=False):
         text = scene if isinstance(scene, str) else xml_of(scene)
         (self.folder / "scene.xml").write_text(text)
-        return run_haptos(["scene.xml", *arguments], ranks, self.folder)
+        return run_haptos(["scene.xml", *arguments], ranks, self.folder, counting=counting)
 
     def summary(self):
         return json.loads((self.folder / "summary.json").read_text())

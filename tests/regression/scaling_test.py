@@ -26,7 +26,7 @@ class Scaling(unittest.TestCase):
         self.folder = pathlib.Path(temporary.name)
 
     def run_driver(self, *arguments):
-        command = [sys.executable, str(DRIVERS / "haptos_scaling.py"), "--haptos", programs.haptos,
+        command = [sys.executable, str(DRIVERS / "haptos_scaling.py"), "--haptos", programs.counting,
                    "--mpirun", programs.mpirun, *map(str, arguments)]
         return subprocess.run(command, capture_output=True, text=True, timeout=3000)
 
@@ -57,7 +57,7 @@ class Scaling(unittest.TestCase):
     def test_a_wrong_count_is_seen(self):
         path = self.folder / "summary.json"
         done = run_haptos([haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=1",
-                           "--output", self.folder / "result.exo", "--summary", path], ranks=4)
+                           "--output", self.folder / "result.exo", "--summary", path], ranks=4, counting=True)
         self.assertEqual(done.status, 0, done)
         summary = json.loads(path.read_text())
         self.assertTrue(all(model.agrees(row) for row in model.compare(summary, 2, 1)))

@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The summary's keys and types, and the program's ways to say something without solving."""
+import subprocess
+
 import haptos_runs
 from haptos_runs import SceneTest, run_haptos, stack
 
@@ -34,8 +36,8 @@ HISTORY = {"hessian_multiplications": COUNT, "residual": NUMBER, "stick": COUNT,
 
 
 class Summary(SceneTest):
-    def solve(self, scene, *arguments, ranks=1):
-        outcome = self.run_scene(scene, *arguments, ranks=ranks)
+    def solve(self, scene, *arguments, ranks=1, counting=False):
+        outcome = self.run_scene(scene, *arguments, ranks=ranks, counting=counting)
         self.assertEqual((outcome.status, outcome.messages), (0, []), outcome)
         return self.summary()
 
@@ -50,7 +52,7 @@ class Summary(SceneTest):
 
     def test_every_key(self):
         for ranks in (1, 3):
-            summary = self.solve(stack(Title="two cubes"), ranks=ranks)
+            summary = self.solve(stack(Title="two cubes"), ranks=ranks, counting=True)
             self.assert_keys(summary, KEYS)
             self.assertEqual(summary["haptos"]["title"], "two cubes")
             self.assertGreaterEqual(summary["model"]["congruence_classes"], 1)
@@ -66,6 +68,16 @@ class Summary(SceneTest):
             self.assertGreater(len(summary["solver"]["history"]), 0)
             for entry in summary["solver"]["history"]:
                 self.assert_keys(entry, HISTORY)
+
+    def test_nobody_stands_between_the_program_and_its_mpi(self):
+        """Calls of MPI are counted by a program of its own; the other numbers are the same."""
+        plain, counting = (self.solve(stack(), ranks=3, counting=counting) for counting in (False, True))
+        self.assertEqual(set(counting) - set(plain), {"communication"})
+        for entry in plain["solver"]["history"]:
+            self.assertFalse({"reductions", "bytes_sent"} & set(entry))
+        self.assertEqual(plain["contact"], counting["contact"])
+        symbols = subprocess.run(["nm", "--defined-only", haptos_runs.programs.haptos], capture_output=True, text=True, check=True)
+        self.assertNotIn(" MPI_", symbols.stdout)
 
     def test_numbers_fit_together(self):
         summary = self.solve(stack())

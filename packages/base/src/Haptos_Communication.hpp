@@ -30,7 +30,7 @@ CommunicationCounts operator-(CommunicationCounts later, const CommunicationCoun
 
 /// \brief Where the counts come from.  A program that counts sets it; without it nothing is counted.
 ///
-/// The library does not come between an application and its MPI; the programs do (drivers/Haptos_MpiCounter).
+/// The library does not come between an application and its MPI; a program of its own does (drivers/Haptos_MpiCounter).
 void setCommunicationSource(CommunicationCounts (*source)());
 
 bool isCommunicationCounted();
