@@ -94,7 +94,7 @@ void checkReport(const std::string& asked, SceneOutcome& outcome) {
 }
 
 // Runs the program's chain; its exceptions become its exit statuses.
-Formulation simulate(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options, SceneOutcome& outcome) {
+Formulation simulate(const RCP<const Communicator>& comm, const Scene& scene, const SceneOptions& options, SceneOutcome& outcome) {
   Formulation formulation = Formulation::Standard;
   try {
     const SourceMesh source = makeSceneMesh(scene);
@@ -129,7 +129,7 @@ std::string statesText(const ReferenceSolution& reference) {
 
 long promisedMultiplications(const std::string& method) { return method == "SMALSE" ? 5000 : 150; }
 
-SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options) {
+SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const SceneOptions& options) {
   SceneOutcome outcome;
   outcome.tolerance = options.tolerance > 0 ? options.tolerance : scene.tolerance;
   const Formulation formulation = simulate(comm, scene, options, outcome);

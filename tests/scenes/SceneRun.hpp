@@ -8,7 +8,7 @@
 
 namespace Haptos::Scenes {
 
-struct RunOptions {
+struct SceneOptions {
   std::string method = "Automatic";
   double tolerance = 0;      ///< 0: the scene's own
   bool idleContact = false;     ///< some rank must have no contact pair
@@ -33,7 +33,7 @@ struct SceneOutcome {
 
 /// \brief Runs a scene as the program would, compares it with the dense reference on rank 0, and lists what is
 /// not as it should be.  Collective.
-SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const RunOptions& options);
+SceneOutcome runScene(const RCP<const Communicator>& comm, const Scene& scene, const SceneOptions& options);
 
 /// \brief Compares a scene with its twin in other units: counts within 2, the same forces.  Rank 0.
 void compareWithTwin(const Scene& scene, SceneOutcome& outcome, const Scene& twin, const SceneOutcome& other);

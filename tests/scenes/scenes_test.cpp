@@ -20,7 +20,7 @@ using namespace Haptos::Scenes;
 
 struct Options {
   std::vector<Scene> scenes;
-  RunOptions run;
+  SceneOptions run;
   std::string table, decomposition;
   bool list = false;
   std::string registered;  ///< names joined by ';'

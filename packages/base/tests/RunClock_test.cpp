@@ -10,6 +10,7 @@
 #include "Haptos_Progress.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_TpetraCompat.hpp"
+#include "Haptos_Types_fwd.hpp"
 
 namespace {
 
