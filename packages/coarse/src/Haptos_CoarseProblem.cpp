@@ -6,6 +6,7 @@
 #include <chrono>
 #include <climits>
 
+#include "Haptos_CoarseSchurFactor.hpp"
 #include "Haptos_Error.hpp"
 
 namespace Haptos {
@@ -96,6 +97,8 @@ CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
   if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CoarseSchurFactor>(whole.condensed_->schur(), precision_);
   factor({});
 }
+
+CoarseProblem::~CoarseProblem() = default;
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kModes);

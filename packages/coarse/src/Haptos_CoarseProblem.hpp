@@ -7,11 +7,12 @@
 
 #include "Haptos_CoarseBlocks.hpp"
 #include "Haptos_CoarsePlacement.hpp"
-#include "Haptos_CoarseSchurFactor.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
+
+class CoarseSchurFactor;
 
 /// \brief The matrix A = sum over ranks of C^T diag(q) C, with C = G^T on this rank's rows, and its sparse factor.
 ///
@@ -42,6 +43,7 @@ class CoarseProblem {
 
   /// \brief The matrix of the fixed rows of `whole` alone, which was factored before; `holds` of its own.  Collective.
   CoarseProblem(const CoarseProblem& whole, const Holds& holds);
+  ~CoarseProblem();
 
   /// \brief Factors A with these changing rows: their part alone is added up and sent, and the analysis stays.  Collective.
   ///
