@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "../../feti/tests/FetiScene.hpp"
+#include "Haptos_CoarseSchur.hpp"
 
 namespace {
 
