@@ -50,15 +50,37 @@ class Outcome:
         return lines
 
 
-def run_haptos(arguments, ranks=1, folder=None, timeout=3000, counting=False):
-    command = [programs.counting if counting else programs.haptos, *map(str, arguments)]
+def start_of(program, arguments, ranks, folder):
+    """Arguments of subprocess for a run."""
+    command = [program, *map(str, arguments)]
     if ranks > 1:
         command = [*shlex.split(programs.mpirun), "-n", str(ranks), *command]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1",
                    "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                    "OMPI_MCA_mpi_yield_when_idle": "1"}
-    done = subprocess.run(command, cwd=folder, env=environment, capture_output=True, timeout=timeout)
+    return {"args": command, "cwd": folder, "env": environment}
+
+
+def run_haptos(arguments, ranks=1, folder=None, timeout=3000, counting=False):
+    program = programs.counting if counting else programs.haptos
+    done = subprocess.run(**start_of(program, arguments, ranks, folder), capture_output=True, timeout=timeout)
     return Outcome(done.returncode, done.stdout.decode(), done.stderr.decode())
+
+
+def printed_on_terminal(arguments, ranks=1, folder=None):
+    """What a run writes to its stdout, or mpirun's, where that is a terminal."""
+    ours, theirs = os.openpty()
+    with subprocess.Popen(**start_of(programs.haptos, arguments, ranks, folder), stdout=theirs, stderr=subprocess.DEVNULL,
+                          stdin=subprocess.DEVNULL):
+        os.close(theirs)
+        text = b""
+        try:
+            while part := os.read(ours, 4096):
+                text += part
+        except OSError:  # how Linux says that the other end is closed
+            pass
+    os.close(ours)
+    return text.decode()
 
 
 def _parameter(name, value):

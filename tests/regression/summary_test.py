@@ -175,6 +175,19 @@ class Summary(SceneTest):
         self.assertTrue(any(all(p in text for p in parts) for text in model["left_out"]), model["left_out"])
 
 
+class ProgressLines(SceneTest):
+    def test_one_line_on_a_terminal_many_in_a_log(self):
+        (self.folder / "scene.xml").write_text(haptos_runs.xml_of(stack()))
+        for ranks in (1, 2):
+            terminal = haptos_runs.printed_on_terminal(["scene.xml"], ranks, self.folder)
+            log = run_haptos(["scene.xml"], ranks, self.folder).out
+            for text in (terminal, log):
+                self.assertRegex(text, r"\[ +[\d.]+ s\] \d+ multiplications by F")
+                self.assertRegex(text, r"converged: kkt")
+            self.assertRegex(terminal, r"\r\[ +[\d.]+ s\] \d+ multiplications by F", f"{ranks} ranks")
+            self.assertNotIn("\r", log, f"{ranks} ranks")
+
+
 class WithoutSolving(SceneTest):
     def test_validate_only(self):
         solved = self.run_scene(stack(Output__File=""))
