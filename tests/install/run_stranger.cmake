@@ -27,6 +27,16 @@ step("build" ${CMAKE_COMMAND} --build ${work}/build)
 step("run" ${MPIRUN} -n 2 ${work}/build/stranger)
 message(STATUS "${output}")
 
+# Its own elements in contact, ten steps by half of the ranks: the same answer whoever has them.
+foreach(ranks 1 2 4)
+  step("run layers on ${ranks} ranks" ${MPIRUN} -n ${ranks} ${work}/build/layers)
+  message(STATUS "${ranks} ranks: ${output}")
+  string(REGEX MATCH "tip [^;]*;" tip_${ranks} "${output}")
+  if(NOT tip_${ranks} OR NOT tip_${ranks} STREQUAL tip_1)
+    fail("the answer of layers depends on the ranks: '${tip_1}' on one, '${tip_${ranks}}' on ${ranks}")
+  endif()
+endforeach()
+
 # A place without Exodus, METIS, muParser and JSON is enough for qp; who wants more is told what is missing.
 set(nothing -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON)
 foreach(library exoIIv2c metis muparser)

@@ -26,7 +26,7 @@ MAY_INCLUDE = {
     "decomposition": "mesh law base",
     "newton": "law coarse base",
     "feti": "coarse linalg decomposition base",
-    "system": "feti newton qp law coarse linalg decomposition elasticity mesh base",
+    "system": "feti newton qp law coarse linalg decomposition base",
     "results": "system feti law decomposition elasticity mesh base",
     "simulation": "results system feti newton qp coarse linalg law pairing decomposition elasticity mesh input base",
 }
@@ -37,7 +37,7 @@ STARTS = """
     RigidBodyModes Simulation SmalseSolMgr StiffnessAssembler SubspaceNewtonSolMgr
 """.split()
 
-INCLUDE = re.compile(r'^\s*#\s*include\s*"(Haptos_\w+\.hpp)"', re.MULTILINE)
+INCLUDE = re.compile(r'^\s*#\s*include\s*["<](Haptos_\w+\.hpp)[">]', re.MULTILINE)
 
 
 def includes(path):

@@ -24,7 +24,7 @@ struct PrescribedDisplacement {
 /// \brief What rows of B must know of a subdomain.
 struct SubdomainNodes {
   int id;                                  ///< global, 0-based; a rank has a contiguous range
-  const std::vector<std::int64_t>& nodes;  ///< mesh index, ascending
+  const std::vector<std::int64_t>& nodes;  ///< mesh index, in the order of the unknowns
   std::vector<double> stiffness;           ///< [nodes] > 0: what the subdomain holds the node with, in any unit common to all
 };
 

@@ -27,7 +27,7 @@ std::vector<Bytes> packed(const std::vector<std::vector<Item>>& lists) {
 std::int64_t largestNode(const RowSources& sources) {
   std::int64_t largest = -1;
   for (const auto& sub : sources.subdomains)
-    if (!sub.nodes.empty()) largest = std::max(largest, sub.nodes.back());  // they ascend
+    for (auto node : sub.nodes) largest = std::max(largest, node);
   for (const auto& p : sources.prescribed) largest = std::max(largest, p.node);
   for (const auto& placed : sources.pairs) {
     largest = std::max(largest, placed.pair.secondaryNode);

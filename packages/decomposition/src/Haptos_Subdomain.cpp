@@ -74,6 +74,12 @@ std::vector<Subdomain> extractSubdomains(const Mesh& mesh, const Partition& part
   return subdomains;
 }
 
+std::vector<std::int64_t> nodesOf(const std::vector<Subdomain>& subdomains) {
+  std::vector<std::int64_t> nodes;
+  for (const auto& sub : subdomains) nodes.insert(nodes.end(), sub.nodes.begin(), sub.nodes.end());
+  return nodes;
+}
+
 void pack(ByteWriter& writer, const Subdomain& sub) {
   writer.write(sub.id);
   writer.write(sub.body);

@@ -34,6 +34,9 @@ struct Subdomain {
   int numDofs() const { return 3 * int(nodes.size()); }
 };
 
+/// \brief Nodes of subdomains, one after the other.
+std::vector<std::int64_t> nodesOf(const std::vector<Subdomain>& subdomains);
+
 /// \brief Cuts the mesh into subdomains; serial, on the reader.  A group's `material` is materialOfBlock[block].
 std::vector<Subdomain> extractSubdomains(const Mesh& mesh, const Partition& partition, const std::vector<int>& materialOfBlock);
 

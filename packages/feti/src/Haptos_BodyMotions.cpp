@@ -204,8 +204,7 @@ CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bo
   return holds;
 }
 
-CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e,
-                                       double loadScale) {
+void requireBalance(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e, double loadScale) {
   constexpr double kBalanced = 1e-9;
   const Eigen::VectorXd resultant = bodies.Z().transpose() * e;
   Eigen::VectorXd work = unheld.basis.transpose() * resultant;
@@ -215,7 +214,6 @@ CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMo
     throw InsufficientModel("The model has no solution: " + bodies.describe(driven) +
                             " is held by nothing, and the loads drive it (resultant " + formatted("%g", driven.norm()) +
                             "). Fix the body by a Displacement condition or give it a contact that can carry the load.");
-  return holdsFor(unheld, bodies);
 }
 
 }  // namespace Haptos

@@ -69,11 +69,10 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
 CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bodies);
 
-/// \brief The same where they stay unheld for good.
+/// \brief Asks whether the loads leave unheld motions alone.
 ///
 /// \param e R^T f, \param loadScale size of the loads [force]
 /// \throws InsufficientModel if the loads do work on an unheld motion: no equilibrium exists.
-CoarseProblem::Holds holdUnheldMotions(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e,
-                                       double loadScale);
+void requireBalance(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e, double loadScale);
 
 }  // namespace Haptos

@@ -6,37 +6,36 @@
 
 namespace Haptos {
 
-DualProblem makeDualProblem(RCP<const DualOperator> F, RCP<const NaturalCoarseSpace> G, RCP<const CoarseProblem> GGT,
-                            const MultiVector& f, const Vector& c) {
-  DualProblem dual;
-  dual.F = F;
-  dual.G = G;
-  dual.GGT = GGT;
-  dual.P = Teuchos::rcp(new Projector(G, GGT, Projector::Onto::KernelOfG));
-  dual.Q = Teuchos::rcp(new Projector(G, GGT, Projector::Onto::ImageOfGT));
-  dual.PFP = Teuchos::rcp(new ProjectedDualOperator(F, G, GGT));
-  const JumpOperator& B = F->jump();
-  Vector u(B.getDomainMap());
-  F->systems().applyPseudoInverse(B.primalOffsets(), f, u);
-  auto h = Teuchos::rcp(new Vector(c, Teuchos::Copy));
-  B.apply(u, *h, Teuchos::NO_TRANS, 1.0, -1.0);  // h = B K^+ f - c
-  dual.h = h;
-  dual.e = G->restrictLoad(f, F->systems());
-  auto lambdaIm = Teuchos::rcp(new Vector(F->getDomainMap()));
-  G->applyGT(GGT->solve(dual.e), *lambdaIm);
-  dual.lambdaIm = lambdaIm;
-  return dual;
+DualProblem::DualProblem(RCP<const DualOperator> dualOperator, RCP<const NaturalCoarseSpace> coarseSpace, RCP<const CoarseProblem> coarse)
+    : F(std::move(dualOperator)), G(std::move(coarseSpace)), GGT(std::move(coarse)) {
+  P = Teuchos::rcp(new Projector(G, GGT, Projector::Onto::KernelOfG));
+  Q = Teuchos::rcp(new Projector(G, GGT, Projector::Onto::ImageOfGT));
+  PFP = Teuchos::rcp(new ProjectedDualOperator(F, G, GGT));
 }
 
-RCP<Vector> recoverPrimal(const DualProblem& dual, const MultiVector& f, const Vector& c, const Vector& lambda, const Vector& s) {
+void DualProblem::setStep(StepData data) {
+  step = std::move(data);
+  const JumpOperator& B = F->jump();
+  Vector u(B.getDomainMap());
+  F->systems().applyPseudoInverse(B.primalOffsets(), *step.f, u);
+  const auto jumps = Teuchos::rcp(new Vector(*step.c, Teuchos::Copy));
+  B.apply(u, *jumps, Teuchos::NO_TRANS, 1.0, -1.0);  // h = B K^+ f - c
+  h = jumps;
+  e = G->restrictLoad(*step.f, F->systems());
+  const auto image = Teuchos::rcp(new Vector(F->getDomainMap()));
+  G->applyGT(GGT->solve(e), *image);
+  lambdaIm = image;
+}
+
+RCP<Vector> recoverPrimal(const DualProblem& dual, const Vector& lambda, const Vector& s) {
   const JumpOperator& B = dual.F->jump();
   Vector residual(B.getDomainMap());
-  residual.update(1.0, f, 0.0);
+  residual.update(1.0, *dual.step.f, 0.0);
   B.apply(lambda, residual, Teuchos::TRANS, -1.0, 1.0);
   auto u = Teuchos::rcp(new Vector(B.getDomainMap()));
   dual.F->systems().applyPseudoInverse(B.primalOffsets(), residual, *u);
   Vector rigid(s, Teuchos::Copy);  // G^T a = s - (B K^+ (f - B^T l) - c)
-  rigid.update(1.0, c, 1.0);
+  rigid.update(1.0, *dual.step.c, 1.0);
   B.apply(*u, rigid, Teuchos::NO_TRANS, -1.0, 1.0);
   dual.G->addRigidMotion(dual.GGT->solveSum(dual.G->partOfG(rigid)), dual.F->systems(), *u);
   return u;

@@ -117,6 +117,7 @@ void LocalSystems::factor(LocalSolverMethod method) {
   condensed_.clear();
   for (int i : representative_)
     solvers_.push_back(std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method));
+  factorizations_ += long(solvers_.size());
 }
 
 void LocalSystems::factor(const JumpOperator& jump, LocalSolverMethod method, LocalDual dual, double mayUse,
@@ -136,14 +137,40 @@ void LocalSystems::factor(const JumpOperator& jump, LocalSolverMethod method, Lo
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
       if (wanted) makeCondensation(c, boundary, DenseSurfaceMatrices::Scope::Both);
     }
-    if (!condensed_[c]) {
-      solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method);
-      solvers_[c]->releaseMatrix();
-    }
+    if (!condensed_[c]) makeFactor(c, method);
     if (!lastUse) continue;
     lastUse(c);
     releaseStiffness(c);  // before the next class: its pages serve that one's matrices
   }
+}
+
+void LocalSystems::makeFactor(int c, LocalSolverMethod method) {
+  const int i = representative_[c];
+  solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method);
+  solvers_[c]->releaseMatrix();
+  ++factorizations_;
+}
+
+void LocalSystems::renewSurfaces(const JumpOperator& jump, LocalSolverMethod method, const std::function<void(int)>& lastUse) {
+  for (int c = 0; c < numClasses(); ++c) {
+    auto K = source_->assemble(representative_[c]);
+    systems_[representative_[c]].K.swap(K);
+    const auto boundary = boundaryOf(c, jump);
+    if (condensed_[c] && condensed_[c]->boundary() != boundary) {
+      denseBytes_ -= denseBytesOf(c);
+      condensed_[c].reset();
+      makeCondensation(c, boundary, DenseSurfaceMatrices::Scope::Both);
+      if (!condensed_[c]) makeFactor(c, method);
+    }
+    lastUse(c);
+    releaseStiffness(c);
+  }
+}
+
+// Of dense matrices that are there.
+double LocalSystems::denseBytesOf(int c) const {
+  const double n = double(systems_[representative_[c]].R().rows()), nb = double(condensed_[c]->boundary().size());
+  return DenseSurfaceMatrices::cost(n, nb, members_[c].size()).bytes;
 }
 
 void LocalSystems::releaseStiffness(int c) { letGo(systems_[representative_[c]].K); }
@@ -183,8 +210,10 @@ void LocalSystems::makeCondensation(int c, const std::vector<int>& boundary, Den
   } catch (const std::runtime_error&) {
     return;
   }
-  denseBytes_ += DenseSurfaceMatrices::cost(double(system.K.rows()), double(boundary.size()), members_[c].size()).bytes;
-  if (scope == DenseSurfaceMatrices::Scope::Both) localSolves_ += long(boundary.size());
+  denseBytes_ += denseBytesOf(c);
+  if (scope == DenseSurfaceMatrices::Scope::SchurOnly) return;
+  localSolves_ += long(boundary.size());
+  ++factorizations_;
 }
 
 int LocalSystems::numCondensed() const {

@@ -54,6 +54,10 @@ class LocalSystems {
   void condenseLike(const LocalSystems& pattern);
 
   const SubdomainStiffness& source() const { return *source_; }
+  /// \brief Fits what depends on rows of B to other ones, after `factor`: dense matrices whose boundary has changed are made
+  /// again, sparse factors stay.  \param lastUse as in `factor`: K of the class is there once more
+  void renewSurfaces(const JumpOperator& jump, LocalSolverMethod method, const std::function<void(int congruenceClass)>& lastUse);
+
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
@@ -81,6 +85,7 @@ class LocalSystems {
   /// \brief U := K^+ F where F is zero off the rows of B, and U is wanted there only; elsewhere U may keep what it has.
   void applyOnSurface(const std::vector<std::size_t>& offsets, const MultiVector& f, MultiVector& u) const;
 
+  long factorizations() const { return factorizations_; }  ///< matrices factored or condensed so far
   /// \brief Vectors that went through a K^+ so far, those of the dense matrices' construction among them.
   long localSolves() const { return localSolves_; }
 
@@ -92,11 +97,14 @@ class LocalSystems {
   std::vector<std::vector<int>> members_;   // [classes]
   void solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
   void multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const;
+  void makeFactor(int c, LocalSolverMethod method);
+  double denseBytesOf(int c) const;
   void makeCondensation(int c, const std::vector<int>& boundary, DenseSurfaceMatrices::Scope scope);
 
   std::vector<std::unique_ptr<LocalSolver>> solvers_;           // [classes] null where condensed
   std::vector<std::unique_ptr<DenseSurfaceMatrices>> condensed_;  // [classes] null where factored
   double denseBytes_ = 0;
+  long factorizations_ = 0;
   mutable long localSolves_ = 0;
 };
 

@@ -38,7 +38,7 @@ struct Unheld {
   std::string refusal(const std::function<Point(int, const Point&)>& force) const {
     const auto f = load(force);
     try {
-      holdUnheldMotions(motions, bodies, feti.G->restrictLoad(*f, *feti.systems), f->norm2());
+      requireBalance(motions, bodies, feti.G->restrictLoad(*f, *feti.systems), f->norm2());
     } catch (const InsufficientModel& e) {
       return e.what();
     }
@@ -115,11 +115,12 @@ TEUCHOS_UNIT_TEST(BodyMotions, HoldsMakeTheCoarseProblemRegular) {
   const Unheld u(onlyLowerHeld(true, false));
   const auto f = u.load([](int, const Point&) { return Point{0, 0, -5}; });
   const Eigen::VectorXd e = u.feti.G->restrictLoad(*f, *u.feti.systems);
-  const auto holds = holdUnheldMotions(u.motions, u.bodies, e, f->norm2());
+  requireBalance(u.motions, u.bodies, e, f->norm2());
+  const auto holds = holdsFor(u.motions, u.bodies);
   TEST_EQUALITY(int(holds.size()), 3);
   const auto GGT = Teuchos::rcp(new CoarseProblem(*u.feti.comm, u.feti.G->rows(), {}, holds));
-  Vector c(u.feti.map());
-  const DualProblem dual = makeDualProblem(u.feti.F, u.feti.G, GGT, *f, c);
+  DualProblem dual(u.feti.F, u.feti.G, GGT);
+  dual.setStep({f, Teuchos::rcp(new Vector(u.feti.map())), {}});
   TEST_ASSERT((u.feti.G->applyG(*dual.lambdaIm) - e).norm() < 1e-9 * e.norm());
   const Dense P = denseOf(*dual.P);
   TEST_ASSERT(largest(P * P - P) < 1e-9);

@@ -84,4 +84,12 @@ ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector
   TEUCHOS_ASSERT(hasRows(*o.contactRowsOfM->getRangeMap(), all, rows));
 }
 
+void ContactProblem::setStep(const RCP<const Vector>& h, const Eigen::VectorXd& e, const std::vector<PairLaw>& pairs) {
+  TEUCHOS_ASSERT(e.size() == operators_.e.size() && contactRows(pairs) == contactRows(operators_.pairs));
+  operators_.h = h;
+  operators_.e = e;
+  operators_.pairs = pairs;
+  setRHS(h);
+}
+
 }  // namespace Haptos

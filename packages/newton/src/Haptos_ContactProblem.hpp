@@ -58,6 +58,10 @@ class ContactProblem : public Belos::LinearProblem<double, MultiVector, Operator
 
   const ContactOperators& operators() const { return operators_; }
 
+  /// \brief Other loads or laws for the same operators; who solves goes on by SubspaceNewtonSolMgr::goOn.
+  /// \param pairs the same rows in the same order
+  void setStep(const RCP<const Vector>& h, const Eigen::VectorXd& e, const std::vector<PairLaw>& pairs);
+
  private:
   ContactOperators operators_;
 };

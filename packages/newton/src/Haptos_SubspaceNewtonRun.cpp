@@ -86,7 +86,7 @@ bool SubspaceNewtonRun::accept(const Eigen::VectorXd& lambda, const Eigen::Vecto
 }
 
 // One law, from the state as it is.
-NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Level& level, bool isFresh) {
+NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst) {
   NewtonLimits limits;
   limits.tolerance = level.tolerance;
   limits.reference = reference_;
@@ -95,15 +95,13 @@ NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Le
   limits.accept = [&](const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double relative) {
     return accept(lambda, s, relative, level);
   };
-  // A start of floating bodies leaves their motions as pairs: first what these can do.  Else a direction comes first.
-  const bool needsDirection = !(isFresh && isFloating());
-  return iteration_.iterate(law, state_, limits, needsDirection);
+  return iteration_.iterate(law, state_, limits, !pairsFirst);
 }
 
 SubspaceNewtonRun::LevelsEnd SubspaceNewtonRun::runLevels(const FrictionLevels& levels) {
   LevelsEnd end;
   for (const auto& law : levels.laws) {
-    end.isPlateau = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh) == NewtonStop::Plateau;
+    end.isPlateau = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh && isFloating()) == NewtonStop::Plateau;
     end.isFresh = false;
     if (end.isPlateau) break;
   }
@@ -128,6 +126,24 @@ NewtonStop SubspaceNewtonRun::solveFromStart() {
   return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
 }
 
+// From the last step's multipliers, brought to today's loads, and with its pairs: these first, as most of what loads change lies
+// in their span.  What they cannot do is a case for a fresh start.
+NewtonStop SubspaceNewtonRun::solveRenewed() {
+  isRenewed_ = false;
+  balance_.balance(state_.lambda, dual_.e);
+  liftRest();
+  refreshJumps();
+  iteration_.setOrigin(state_);
+  reference_ = std::max(reference_, vectors_.norm(state_.s));
+  const Level level = finalLevel(options_.continuation.patience);
+  NewtonStop stop = runLevel(dual_.pairs, level, true);
+  if (stop == NewtonStop::Plateau) {
+    condense();
+    stop = runLevel(dual_.pairs, level);
+  }
+  return stop == NewtonStop::Stalled && left() > 0 ? solveFromStart() : stop;
+}
+
 // A start and levels of friction; after a stall a new start and finer levels.
 NewtonStop SubspaceNewtonRun::descend() {
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
@@ -135,7 +151,7 @@ NewtonStop SubspaceNewtonRun::descend() {
   LevelsEnd levels = runLevels(policy.first(!directions_.isCondensed()));
   for (int restart = 0;; ++restart) {
     if (levels.isPlateau) return NewtonStop::Plateau;
-    const NewtonStop stop = runLevel(dual_.pairs, finalLevel(options_.continuation.patience), levels.isFresh);
+    const NewtonStop stop = runLevel(dual_.pairs, finalLevel(options_.continuation.patience), levels.isFresh && isFloating());
     if (stop != NewtonStop::Stalled || restart == options_.continuation.maximumRestarts || left() <= 0) return stop;
     start();
     levels = runLevels(policy.detour(restart));
@@ -160,6 +176,7 @@ void SubspaceNewtonRun::refreshJumps() {
 NewtonStop SubspaceNewtonRun::solve() {
   subspace_.setMaximum(options_.maximumPairs);
   if (!isStarted_) return solveFromStart();
+  if (isRenewed_) return solveRenewed();
   refreshJumps();
   const Level level = finalLevel(options_.continuation.patienceFactorAtAnswer * options_.continuation.patience);
   const NewtonStop stop = runLevel(dual_.pairs, level);

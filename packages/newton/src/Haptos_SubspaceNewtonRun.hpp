@@ -20,6 +20,9 @@ class SubspaceNewtonRun {
   /// \brief Makes this the state, without pairs.  Collective.
   void startFrom(const Vector& lambda, const Vector& s);
 
+  /// \brief Loads or laws have changed: the next `solve` keeps pairs and multipliers.
+  void goOn() { isRenewed_ = isStarted_; }
+
   RCP<Vector> lambda() const { return vectors_.toVector(state_.lambda); }
   RCP<Vector> jumps() const { return vectors_.toVector(state_.s); }
   double residual() const { return residual_; }  ///< that the tolerance was compared with last; -1: never
@@ -49,11 +52,13 @@ class SubspaceNewtonRun {
   void liftRest();
   void refreshJumps();
   bool accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
-  NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool isFresh = false);
+  // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
+  NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);
   void condense();
   bool hasRunAway() const { return vectors_.norm(state_.s) > options_.continuation.runaway * reference_; }
   NewtonStop solveFromStart();
+  NewtonStop solveRenewed();
   NewtonStop descend();
 
   const ContactOperators& dual_;
@@ -68,7 +73,7 @@ class SubspaceNewtonRun {
   Eigen::VectorXd first_;  // multipliers given by the user
   NewtonState state_;
   double reference_ = 0, residual_ = -1;
-  bool isStarted_ = false;
+  bool isStarted_ = false, isRenewed_ = false;
 };
 
 }  // namespace Haptos

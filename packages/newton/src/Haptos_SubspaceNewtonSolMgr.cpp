@@ -117,6 +117,10 @@ SubspaceNewtonRun& SubspaceNewtonSolMgr::run() {
 void SubspaceNewtonSolMgr::startFrom(const Vector& lambda, const Vector& s) { run().startFrom(lambda, s); }
 
 // The state is given back whatever the outcome: the caller may go on from it by another method.
+void SubspaceNewtonSolMgr::goOn() {
+  if (run_) run_->goOn();
+}
+
 Belos::ReturnType SubspaceNewtonSolMgr::solve() {
   const NewtonStop stop = run().solve();
   reason_ = stop == NewtonStop::Converged ? "converged"

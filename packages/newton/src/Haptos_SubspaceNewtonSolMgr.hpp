@@ -59,6 +59,10 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   /// Collective; after setProblem.
   void startFrom(const Vector& lambda, const Vector& s);
 
+  /// \brief The problem has other loads or laws (ContactProblem::setStep): the next solve() goes on from the present multipliers,
+  /// with all pairs, which depend on F and G alone.
+  void goOn();
+
   /// \brief Converged or Unconverged; `reason()` says why.  Collective.
   /// \throws std::runtime_error on break-down.
   Belos::ReturnType solve() override;

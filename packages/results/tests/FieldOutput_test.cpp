@@ -19,7 +19,7 @@ TEUCHOS_UNIT_TEST(NodalGather, MeanRangeAndSumOfCopies) {
   const Scene s = scene();
   const Dealt dealt = deal(Tpetra::getDefaultComm(), s);
   const auto comm = Tpetra::getDefaultComm();
-  const NodalGather gather(comm, dealt.mine, std::int64_t(s.mesh.numNodes()));
+  const NodalGather gather(comm, nodesOf(dealt.mine), std::int64_t(s.mesh.numNodes()));
   const auto offsets = s.offsets();
   const Eigen::VectorXd u = someVector(offsets.back());
   const auto v = scattered(dealt.jump->getDomainMap(), u);

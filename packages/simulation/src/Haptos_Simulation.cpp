@@ -5,16 +5,12 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 
-#include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_CommandLine.hpp"
-#include "Haptos_Diagnosis.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_ModelSystem.hpp"
 #include "Haptos_ParameterValidation.hpp"
-#include "Haptos_PcpgSolver.hpp"
 #include "Haptos_Rendezvous.hpp"
-#include "Haptos_SmalseContactSolver.hpp"
-#include "Haptos_SubspaceNewtonSolver.hpp"
 
 namespace Haptos {
 namespace {
@@ -22,6 +18,10 @@ namespace {
 // SMALSE uses none.
 std::optional<PreconditionerKind> preconditionerKind(const RunOptions& options) {
   return options.solver.method == SolverMethod::Smalse ? std::nullopt : options.preconditioner.kind;
+}
+
+SystemOptions systemOptions(const RunOptions& options) {
+  return {options.localSolver, options.preconditioner, options.coarse, options.solver};
 }
 
 // What the scene did not need and was not built.
@@ -101,11 +101,18 @@ Simulation::Simulation(RCP<const Communicator> comm, const Teuchos::ParameterLis
 
 Simulation::~Simulation() = default;
 
-const FetiSystem& Simulation::system() const { return *system_; }
+const FetiSystem& Simulation::system() const { return system_->system(); }
 const DistributedModel& Simulation::model() const { return *model_; }
 
 void Simulation::tell(const std::string& text) const {
   if (progress_) progress_->line(text);
+}
+
+void Simulation::tell(const HistoryEntry& entry) const {
+  if (progress_)
+    progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
+                      formatted("%.1e", entry.residual) + ", stick " + std::to_string(entry.stick) + ", slip " +
+                      std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
 }
 
 void Simulation::prepare() {
@@ -115,12 +122,12 @@ void Simulation::prepare() {
   model_->nodalForces = nodalForces_;
   {
     const auto scope = clock_.time(Phase::Assemble);
-    system_ = std::make_unique<FetiSystem>(*model_);
-    system_->assemble();
     mesh_ = scatterMesh(*comm_, model_->global.mesh);
-    prescribed_ = sendItems(*comm_, model_->global.prescribed, [&](const auto& p) { return mesh_.nodes.owner(p.node); });
-    gather_ = std::make_unique<NodalGather>(comm_, model_->subdomains, mesh_.nodes.size);
-    loads_ = measureLoads(*gather_, system_->f(), *comm_);
+    system_ = std::make_unique<StepSolver>(systemModelOf(*model_, mesh_.nodes.size), systemOptions(options_),
+                                              StepSolver::Observer{&clock_, [this](const HistoryEntry& entry) { tell(entry); }});
+    system_->prepare();
+    steps_ = {firstStep(*model_, system())};
+    system_->check(steps_.front());
     comm_->barrier();  // waiting for a slower rank belongs to the phase that made it slow
   }
   describeModel();
@@ -140,7 +147,7 @@ void Simulation::describeModel() {
   m.subdomains = model_->numSubdomains;
   m.primalUnknowns = model_->primalUnknowns;
   m.dualUnknowns = long(multipliers.map()->getGlobalNumElements());
-  m.kernelDimension = 6L * model_->numSubdomains;
+  m.kernelDimension = system().kernelDimension();
   m.contactPairs = long(multipliers.numPairs());
   long pinned = std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1));
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, pinned, Teuchos::outArg(m.pinnedRows));
@@ -158,7 +165,7 @@ void Simulation::describeModel() {
 }
 
 void Simulation::describeLocalSystems() {
-  const LocalSystems& systems = system_->systems();
+  const LocalSystems& systems = system().systems();
   ModelReport& m = report_.model;
   m.localSolver = systems.size() > 0 ? systems.methodName() : "";
   const double mine[3] = {double(systems.numCondensed()), systems.denseBytes() / (1 << 20), double(systems.numClasses())};
@@ -167,107 +174,55 @@ void Simulation::describeLocalSystems() {
   m.explicitSubdomains = int(all[0]);
   m.explicitMemoryMb = all[1];
   m.congruenceClasses = int(all[2]);
-  const long dropped = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->gram().pairs().numDropped();
+  const long dropped = system().preconditioner().is_null() ? 0 : system().preconditioner()->gram().pairs().numDropped();
   long allDropped = 0;
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, dropped, Teuchos::outArg(allDropped));
   if (allDropped > 0)
     m.notes.push_back(std::to_string(allDropped) + " multipliers of pairs depend on others; the preconditioner leaves them out");
 }
 
-std::unique_ptr<ContactSolver> Simulation::makeSolver() {
-  SolverMethod method = options_.solver.method;
-  const bool contact = model_->multipliers->numPairs() > 0;
-  if (method == SolverMethod::Automatic && !contact) method = SolverMethod::Pcpg;
-  if (method == SolverMethod::Automatic && system_->preconditioner().is_null()) method = SolverMethod::Smalse;  // the one that needs none
-  SolverContext context{*system_, loads_, [this](const HistoryEntry& entry) {
-    if (progress_)
-      progress_->update(std::to_string(entry.hessianMultiplications) + " multiplications by F, residual " +
-                        formatted("%.1e", entry.residual) + ", stick " + std::to_string(entry.stick) + ", slip " +
-                        std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
-  }};
-  switch (method) {
-    case SolverMethod::Smalse: return std::make_unique<SmalseContactSolver>(context, options_.solver.smalse);
-    case SolverMethod::Pcpg: return std::make_unique<PcpgSolver>(context);
-    case SolverMethod::SubspaceNewton: return std::make_unique<SubspaceNewtonSolver>(context, options_.solver);
-    case SolverMethod::Automatic: break;
-  }
-  return std::make_unique<AutomaticSolver>(context, options_.solver);
-}
-
-Accuracy Simulation::checkSolution(const DualSolution& solution, RCP<Vector>& u) const {
-  u = recoverPrimal(system_->dual(), system_->f(), system_->c(), *solution.lambda, *solution.s);
-  const AccuracyInput input{model_->subdomains, model_->data.materials, model_->data.formulation, system_->jump(),
-                            system_->law(), system_->f(), system_->c(), prescribed_, *gather_, loads_};
-  return measureAccuracy(input, system_->systems(), *u, *solution.lambda);
-}
-
 SimulationResult Simulation::solve() {
-  {
-    const auto scope = clock_.time(Phase::Factor);
-    system_->factor(options_.localSolver.method, options_.localSolver.dual, preconditionerKind(options_));
-    describeLocalSystems();
-  }
-  {
-    const auto scope = clock_.time(Phase::Coarse);
-    system_->formDual(options_.coarse);
-  }
-  const auto scope = clock_.time(Phase::Solve);
-  const double tolerance = report_.tolerance;
-  const auto solver = makeSolver();
-  bool passed = false;
-  Accuracy accuracy;
-  RCP<Vector> u;
-  SolveRequest request{tolerance, options_.solver.maximumMultiplications};
-  for (int attempt = 0; attempt < 12; ++attempt) {
-    passed = solver->solve(request);
-    {
-      const auto recover = clock_.time(Phase::Recover);
-      accuracy = checkSolution(solver->solution(), u);
-    }
-    const double kkt = accuracy.errors.kkt();
-    if (kkt <= tolerance || !passed) break;
-    if (accuracy.floor > tolerance) break;
-    // The method's scale of displacements mostly is all that was wrong.
-    request.isDoubted = true;
-    request.tolerance *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
-  }
-  const bool solved = accuracy.errors.kkt() <= tolerance;
-  report_.solver.status = solved ? "converged" : "not converged";
-  report_.solver.reason = solved ? "" : explainUnconverged({*system_, accuracy, *solver, *u, passed, options_});
-  return collect(*solver, accuracy, *u);
+  StepResult step;
+  for (const StepData& data : steps_) step = system_->solve(data);
+  describeLocalSystems();
+  report_.solver.status = step.solved ? "converged" : "not converged";
+  report_.solver.reason = step.reason;
+  return collect(step);
 }
 
-SimulationResult Simulation::collect(const ContactSolver& solver, const Accuracy& accuracy, const Vector& u) {
+SimulationResult Simulation::collect(const StepResult& step) {
   const auto scope = clock_.time(Phase::Recover);
-  report_.accuracy = accuracy;
+  const FetiSystem& feti = system();
+  report_.accuracy = step.accuracy;
   SolverReport& s = report_.solver;
-  s.method = solver.name();
-  s.outerIterations = solver.outerIterations();
-  s.hessianMultiplications = system_->dual().F->applications();
-  s.preconditionerApplications = system_->preconditioner().is_null() ? 0 : system_->preconditioner()->applications();
-  s.coarseSolves = system_->dual().GGT->placement()->costs().solves;
-  s.history = solver.history();
-  s.subspace = solver.subspace();
-  s.deflation = solver.deflation();
-  long mine = system_->systems().localSolves();
+  s.method = step.method;
+  s.outerIterations = step.outerIterations;
+  s.hessianMultiplications = system_->multiplications();
+  s.preconditionerApplications = feti.preconditioner().is_null() ? 0 : feti.preconditioner()->applications();
+  s.coarseSolves = feti.dual().GGT->placement()->costs().solves;
+  s.history = step.history;
+  s.subspace = step.subspace;
+  s.deflation = step.deflation;
+  long mine = feti.systems().localSolves();
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
 
-  report_.coarse = measureCoarse(*system_->dual().GGT->placement(), system_->dual().G->dimension());
-  report_.jump = measureJump(system_->jump(), *comm_);
+  report_.coarse = measureCoarse(*feti.dual().GGT->placement(), feti.kernelDimension());
+  report_.jump = measureJump(feti.jump(), *comm_);
 
   SimulationResult result;
-  result.solved = accuracy.errors.kkt() <= report_.tolerance;
-  result.dual = solver.solution();
-  Vector jump(system_->c(), Teuchos::Copy);
-  system_->jump().apply(u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
-  const double forceScale = contactForceScale(system_->law(), *result.dual.lambda, accuracy.scales.load);
-  result.pairs = gatherContactResults(*model_->multipliers, system_->law(), *result.dual.lambda, jump, forceScale);
+  result.solved = step.solved;
+  result.dual = step.dual;
+  Vector jump(feti.c(), Teuchos::Copy);
+  feti.jump().apply(*step.u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
+  const double forceScale = contactForceScale(feti.law(), *result.dual.lambda, step.accuracy.scales.load);
+  result.pairs = gatherContactResults(*model_->multipliers, feti.law(), *result.dual.lambda, jump, forceScale);
   const auto tied = gatherTiedResults(*model_->multipliers, *result.dual.lambda);
   result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
-  result.displacement = gather_->copies(u).mean;
-  setSlip(*gather_, result.displacement, result.pairs);
+  const NodalGather& gather = *feti.model().gather;
+  result.displacement = gather.copies(*step.u).mean;
+  setSlip(gather, result.displacement, result.pairs);
   report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
-  result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, system_->jump().primalOffsets(), u,
+  result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, feti.jump().primalOffsets(), *step.u,
                                          mesh_.elements);
   result.report = report_;
   return result;

@@ -2,12 +2,15 @@
 #pragma once
 #include <Teuchos_ParameterList.hpp>
 #include <memory>
+#include <vector>
 
-#include "Haptos_ContactSolver.hpp"
+#include "Haptos_DistributedModel.hpp"
 #include "Haptos_FieldOutput.hpp"
 #include "Haptos_MeshShare.hpp"
 #include "Haptos_Progress.hpp"
 #include "Haptos_RunOptions.hpp"
+#include "Haptos_RunReport.hpp"
+#include "Haptos_StepSolver.hpp"
 
 namespace Haptos {
 
@@ -56,10 +59,9 @@ class Simulation {
  private:
   void describeModel();
   void describeLocalSystems();
-  std::unique_ptr<ContactSolver> makeSolver();
-  Accuracy checkSolution(const DualSolution& solution, RCP<Vector>& u) const;
   void tell(const std::string& text) const;
-  SimulationResult collect(const ContactSolver& solver, const Accuracy& accuracy, const Vector& u);
+  void tell(const HistoryEntry& entry) const;
+  SimulationResult collect(const StepResult& step);
 
   RCP<const Communicator> comm_;
   RunOptions options_;
@@ -68,11 +70,9 @@ class Simulation {
   std::vector<NodalForces> nodalForces_;
   RunClock clock_;
   std::unique_ptr<DistributedModel> model_;
-  std::unique_ptr<FetiSystem> system_;
   MeshShare mesh_;
-  std::vector<PrescribedDisplacement> prescribed_;  // of this rank's range of nodes
-  std::unique_ptr<NodalGather> gather_;
-  LoadScales loads_;
+  std::unique_ptr<StepSolver> system_;
+  std::vector<StepData> steps_;
   RunReport report_;
 };
 

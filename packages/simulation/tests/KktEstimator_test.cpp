@@ -56,7 +56,7 @@ struct Solved {
     simulation = std::make_unique<Simulation>(Tpetra::getDefaultComm(), validatedParameters(list));
     simulation->prepare();
     result = simulation->solve();
-    const NodalGather gather(Tpetra::getDefaultComm(), simulation->model().subdomains, simulation->mesh().nodes.size);
+    const NodalGather gather(Tpetra::getDefaultComm(), nodesOf(simulation->model().subdomains), simulation->mesh().nodes.size);
     loads = measureLoads(gather, simulation->system().f(), *Tpetra::getDefaultComm());
   }
   KktEstimator estimator(KktEstimator::Balance balance) const { return {simulation->system(), loads, balance}; }

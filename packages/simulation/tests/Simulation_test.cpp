@@ -127,7 +127,7 @@ TEUCHOS_UNIT_TEST(Simulation, PcpgEqualsADirectSolve) {
     TEST_EQUALITY(result.report.solver.method, "PCPG");
     TEST_EQUALITY(result.report.model.subdomains, 7);
     TEST_ASSERT(result.report.solver.hessianMultiplications > 5);
-    const NodalGather gather(Tpetra::getDefaultComm(), run.simulation->model().subdomains, run.simulation->mesh().nodes.size);
+    const NodalGather gather(Tpetra::getDefaultComm(), nodesOf(run.simulation->model().subdomains), run.simulation->mesh().nodes.size);
     const auto f = wholeOnRoot(*Tpetra::getDefaultComm(), gather.sum(run.simulation->system().f()));
     if (Tpetra::getDefaultComm()->getRank() != 0) continue;
     const auto& mesh = run.simulation->model().global.mesh;

@@ -7,7 +7,7 @@
 #include "Haptos_Accuracy.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_Outcome.hpp"
-#include "Haptos_RunReport.hpp"
+#include "Haptos_SolverReport.hpp"
 
 namespace Haptos {
 
@@ -33,6 +33,9 @@ class ContactSolver {
   /// \brief Whether the method's own test passed.  Collective.
   virtual bool solve(const SolveRequest& request) = 0;
 
+  /// \brief The system has another step, or other laws: the next solve goes on from the last solution.  Collective.
+  virtual void renew() = 0;
+
   virtual const DualSolution& solution() const = 0;
   virtual Outcome outcome() const = 0;  ///< of the last solve()
   virtual int outerIterations() const = 0;
@@ -50,6 +53,7 @@ struct SolverContext {
   const FetiSystem& system;
   const LoadScales& loads;
   std::function<void(const HistoryEntry&)> progress;  ///< called now and then
+  RCP<const Vector> start = Teuchos::null;            ///< first multipliers, or null for those of Im G^T
 };
 
 /// \brief Numbers of pairs that stick, slip, are open, over all ranks.  Collective.

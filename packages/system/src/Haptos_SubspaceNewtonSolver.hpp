@@ -17,6 +17,8 @@ class SubspaceNewtonSolver final : public ContactSolver {
 
   std::string name() const override { return "Subspace Newton"; }
   bool solve(const SolveRequest& request) override;
+  /// Pairs are kept, too: they depend on F and G alone.
+  void renew() override;
   const DualSolution& solution() const override;
   Outcome outcome() const override;
   int outerIterations() const override;

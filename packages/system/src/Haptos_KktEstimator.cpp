@@ -10,7 +10,7 @@ namespace Haptos {
 
 // The largest displacement of today, and what round-off does to forces at such displacements.
 void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
-  const auto u = recoverPrimal(system_.dual(), system_.f(), system_.c(), lambda, s);
+  const auto u = recoverPrimal(system_.dual(), lambda, s);
   const auto data = u->getData(0);
   double mine = 0;
   for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));

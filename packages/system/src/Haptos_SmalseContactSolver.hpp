@@ -12,12 +12,12 @@ namespace Haptos {
 /// Its outer test estimates kkt from lambda and the gradient of the Lagrangian, which is -(B u - c).
 class SmalseContactSolver final : public ContactSolver {
  public:
-  /// \param start first multipliers, or null for those of Im G^T
-  SmalseContactSolver(SolverContext context, const SmalseOptions& options, RCP<const Vector> start = Teuchos::null);
+  SmalseContactSolver(SolverContext context, const SmalseOptions& options);
   ~SmalseContactSolver() override;
 
   std::string name() const override { return "SMALSE"; }
   bool solve(const SolveRequest& request) override;
+  void renew() override;
   const DualSolution& solution() const override { return solution_; }
   Outcome outcome() const override;
   int outerIterations() const override;
@@ -25,10 +25,12 @@ class SmalseContactSolver final : public ContactSolver {
 
  private:
   struct Impl;
+  void begin(const RCP<const Vector>& start);
   double estimateKkt(const MultiVector& lambda, const MultiVector& gradient);
   void record(double residual);
 
   SolverContext context_;
+  SmalseOptions options_;
   std::unique_ptr<Impl> impl_;
   DualSolution solution_;
   std::vector<HistoryEntry> history_;

@@ -20,7 +20,7 @@ class PressedBlocks {
  public:
   PressedBlocks() : scene(makeScene(options())), feti(makeFeti(Tpetra::getDefaultComm(), scene)) {
     law = std::make_unique<ContactLaw>(makeContactLaw(*feti.dealt.multipliers, {{FrictionLaw::Coulomb, {40, 30}, 0}}));
-    gather = std::make_unique<NodalGather>(feti.comm, feti.dealt.mine, std::int64_t(scene.mesh.numNodes()));
+    gather = std::make_unique<NodalGather>(feti.comm, nodesOf(feti.dealt.mine), std::int64_t(scene.mesh.numNodes()));
     for (const auto& p : scene.prescribed)
       if (gather->nodes().owner(p.node) == feti.comm->getRank()) prescribed.push_back(p);
     const Dense B = denseB(scene);
@@ -44,9 +44,11 @@ class PressedBlocks {
     const auto primal = feti.dealt.jump->getDomainMap();
     const auto f = scattered(primal, load);
     const auto c = scattered(feti.map(), Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), scene.rows.numRows()));
-    const AccuracyInput input{feti.dealt.mine,  scene.materials, Formulation::Standard, *feti.dealt.jump, *law, *f, *c,
-                              prescribed, *gather, measureLoads(*gather, *f, *feti.comm)};
-    return measureAccuracy(input, *feti.systems, *scattered(primal, withU), *scattered(feti.map(), withLambda));
+    const StepData step{f, c, prescribed};
+    std::vector<int> bodies;
+    for (const auto& sub : feti.dealt.mine) bodies.push_back(sub.body);
+    const AccuracyInput input{*feti.systems, bodies, 2, *feti.dealt.jump, *law, step, *gather, measureLoads(*gather, *f, *feti.comm)};
+    return measureAccuracy(input, *scattered(primal, withU), *scattered(feti.map(), withLambda));
   }
 
   static SceneOptions options() {
@@ -216,7 +218,7 @@ TEUCHOS_UNIT_TEST(ContactResults, ListsShareForcesAndSlips) {
   std::vector<double> u(3 * scene.mesh.numNodes());
   for (std::size_t i = 0; i < u.size(); ++i) u[i] = std::sin(1.0 + 3.0 * double(i));
   for (const auto& p : scene.prescribed) u[3 * std::size_t(p.node) + std::size_t(p.component)] = p.value;
-  const NodalGather gather(feti.comm, feti.dealt.mine, scene.mesh.numNodes());
+  const NodalGather gather(feti.comm, nodesOf(feti.dealt.mine), std::int64_t(scene.mesh.numNodes()));
   const auto first = u.begin() + 3 * gather.firstNode();
   setSlip(gather, {first, first + 3 * std::ptrdiff_t(gather.numNodes())}, pairs);
   if (feti.comm->getRank() != 0) return;

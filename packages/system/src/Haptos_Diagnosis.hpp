@@ -3,7 +3,6 @@
 #include <string>
 
 #include "Haptos_ContactSolver.hpp"
-#include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
 
@@ -14,7 +13,7 @@ struct UnconvergedRun {
   const ContactSolver& solver;
   const Vector& u;                            ///< primal map
   bool passed;                                ///< the method's own test
-  const RunOptions& options;
+  const SystemOptions& options;
 };
 
 /// \brief Why the method ended, the measure of the KKT system that is worst, where that is, and what helps.  Collective.

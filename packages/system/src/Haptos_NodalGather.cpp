@@ -20,12 +20,10 @@ struct Copy {
 
 }  // namespace
 
-NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<Subdomain>& subdomains, std::int64_t numMeshNodes)
+NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<std::int64_t>& nodesOfCopies, std::int64_t numMeshNodes)
     : comm_(std::move(comm)), nodes_{numMeshNodes, comm_->getSize()}, numNodes_(std::size_t(nodes_.count(comm_->getRank()))) {
-  std::vector<std::int64_t> mine;
-  for (const auto& sub : subdomains) mine.insert(mine.end(), sub.nodes.begin(), sub.nodes.end());
-  for (const auto node : mine) ranks_.push_back(nodes_.owner(node));
-  for (const auto node : sendItems(*comm_, mine, [&](std::int64_t n) { return nodes_.owner(n); }))
+  for (const auto node : nodesOfCopies) ranks_.push_back(nodes_.owner(node));
+  for (const auto node : sendItems(*comm_, nodesOfCopies, [&](std::int64_t n) { return nodes_.owner(n); }))
     targets_.push_back(std::size_t(node - firstNode()));
 }
 

@@ -14,30 +14,22 @@ namespace {
 
 bool isRoundOff(const Accuracy& accuracy) { return accuracy.floor > 0.1 * accuracy.errors.kkt(); }
 
-// The file's number of a node, which rank 0 knows.  Collective.
-std::string numberOf(const DistributedModel& model, std::int64_t node) {
-  long long number = 0;
-  if (model.comm->getRank() == 0 && node >= 0) number = model.global.mesh.nodeNumbers[std::size_t(node)];
-  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(number));
-  return std::to_string(number);
-}
-
 // Where the largest error is: a node of an interface, a node, or a body.
 std::string place(const UnconvergedRun& run, const std::string& measure) {
   const FetiSystem& system = run.system;
-  const ModelData& data = system.model().data;
+  const SystemModel& data = system.model();
   if (measure == "equilibrium")
     return run.accuracy.residualBody < 0 ? "" : " in body '" + data.bodyNames[std::size_t(run.accuracy.residualBody)] + "'";
-  if (measure == "continuity") return " at node " + numberOf(system.model(), run.accuracy.differenceNode);
+  if (measure == "continuity") return " at node " + data.nameOfNode(run.accuracy.differenceNode);
   Vector s(system.c(), Teuchos::Copy);
   system.jump().apply(run.u, s, Teuchos::NO_TRANS, 1.0, -1.0);
   const auto worst = findWorstPair(system.law(), system.jump().multipliers(), *run.solver.solution().lambda, s, run.accuracy.scales);
   if (worst.interface < 0) return "";
-  return " at node " + numberOf(system.model(), worst.node) + " of interface '" + data.interfaceNames[std::size_t(worst.interface)] + "'";
+  return " at node " + data.nameOfNode(worst.node) + " of interface '" + data.interfaceNames[std::size_t(worst.interface)] + "'";
 }
 
 // What about the friction of an interface makes it hard; empty for the usual.
-std::string hardFriction(const ModelData& data) {
+std::string hardFriction(const SystemModel& data) {
   constexpr double kHardRatio = 100;
   std::string text;
   for (std::size_t i = 0; i < data.friction.size(); ++i) {
@@ -64,7 +56,7 @@ std::string advice(const UnconvergedRun& run) {
     text += "; raise Solver->Maximum Recycled Pairs (" + std::to_string(solver.maximumRecycledPairs) + ")";
   if (run.options.preconditioner.kind != PreconditionerKind::Dirichlet && solver.method != SolverMethod::Smalse)
     text += "; set Preconditioner->Type to Dirichlet";
-  text += hardFriction(run.system.model().data);
+  text += hardFriction(run.system.model());
   if (text.empty() && solver.method != SolverMethod::Automatic) text += "; set Solver->Method to Automatic";
   if (text.empty()) text += "; a finer mesh at the edge of contact or a looser Solver->Relative Tolerance may help";
   return text;

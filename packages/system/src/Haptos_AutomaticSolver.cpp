@@ -58,7 +58,11 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
     if (run(newton_, request)) return true;
     if (!needsHelp()) return false;
   }
-  if (!smalse_) smalse_ = std::make_unique<SmalseContactSolver>(context_, smalseOptions_, newton_.solution().lambda);
+  if (!smalse_) {
+    SolverContext fromHere = context_;
+    fromHere.start = newton_.solution().lambda;
+    smalse_ = std::make_unique<SmalseContactSolver>(fromHere, smalseOptions_);
+  }
   if (!handedBack_) {
     handedBack_ = true;
     SolveRequest states = request;
@@ -69,6 +73,20 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
     if (!needsHelp()) return false;
   }
   return run(*smalse_, request);
+}
+
+// Newton goes on from whatever the last step came to.
+void AutomaticSolver::renew() {
+  const bool isOthers = best_ || current_ != &newton_;
+  const DualSolution last = solution();
+  best_.reset();
+  smalse_.reset();
+  handedBack_ = false;
+  current_ = &newton_;
+  history_.clear();
+  work_.clear();
+  newton_.renew();
+  if (isOthers) newton_.startFrom(last);
 }
 
 bool AutomaticSolver::solve(const SolveRequest& request) {

@@ -5,38 +5,48 @@
 #include <vector>
 
 #include "Haptos_BodyMotions.hpp"
-#include "Haptos_ContactLaw.hpp"
-#include "Haptos_DistributedModel.hpp"
 #include "Haptos_DeflatedPreconditioner.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_DualProblem.hpp"
+#include "Haptos_SystemModel.hpp"
 
 namespace Haptos {
 
-/// \brief Stiffnesses, B, G, F, projectors and the dual problem of a distributed model, built in three phases.
+/// \brief Stiffnesses, B, G, F, projectors and the dual problem of a distributed model, built in phases.
 ///
-/// `assemble` checks all that can be checked without a factor (inverted elements, unheld bodies, loads that
+/// `assemble` and `setStep` check all that can be checked without a factor (inverted elements, unheld bodies, loads that
 /// contact cannot carry); `factor` and `formDual` do the rest.  All Collective.
 class FetiSystem {
  public:
-  explicit FetiSystem(const DistributedModel& model);
+  explicit FetiSystem(SystemModel model);
 
   /// \throws InputError, InsufficientModel on all ranks
   void assemble();
-  /// \param dual how K^+ is applied, see `LocalDual`; dense matrices take at most half the machine's memory
-  /// \param preconditioner made in the same go, or none: K is let go after it
-  void factor(LocalSolverMethod method, LocalDual dual, std::optional<PreconditionerKind> preconditioner);
-  void formDual(const CoarseOptions& coarse = {});
+  /// \brief Loads and right-hand sides; once the dual problem is formed this costs one K^+.
+  /// \throws InsufficientModel on all ranks where nothing carries the loads; the step before stays then
+  void setStep(StepData step);
+  void setFriction(std::vector<FrictionSpec> friction);
 
-  const DistributedModel& model() const { return model_; }
+  /// \brief How K^+ is applied, see `LocalDual`: dense matrices take at most half the memory of a machine.
+  /// \param preconditioner made in the same go, or none: K is let go after it
+  void factor(const LocalSolverOptions& options, std::optional<PreconditionerKind> preconditioner);
+  void formDual(const CoarseOptions& coarse = {});
+  bool isFormed() const { return !dual_.F.is_null(); }
+
+  /// \brief Other rows of B on the same subdomains; what was factored or formed is made to fit, sparse factors stay.  Needs a
+  /// new step.
+  void renewRows(RCP<const MultiplierMap> multipliers);
+
+  const SystemModel& model() const { return model_; }
   const ContactLaw& law() const { return law_; }
   const JumpOperator& jump() const { return *jump_; }
   const LocalSystems& systems() const { return *systems_; }
+  int kernelDimension() const { return G_->dimension(); }  ///< l
   const BodyMotions& bodies() const { return *bodies_; }
-  const CoarseProblem::Holds& holds() const { return holds_; }
   const UnheldMotions& floatingMotions() const { return floating_; }  ///< of bodies that contact alone holds, if anything
-  const Vector& f() const { return *f_; }
-  const Vector& c() const { return *c_; }
+  const StepData& step() const { return step_; }
+  const Vector& f() const { return *step_.f; }
+  const Vector& c() const { return *step_.c; }
   const DualProblem& dual() const { return dual_; }
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
   bool hasSlenderSubdomains() const { return anySlender_; }  ///< on any rank, and the preconditioner is Dirichlet's
@@ -45,25 +55,25 @@ class FetiSystem {
   RCP<const DeflatedPreconditioner> makeDeflated() const;
 
  private:
-  void assembleLoads();
+  void useRows();
+  void findMotions();
   template <class Holds>
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();
+  void makePreconditioner(SurfaceOperators surface);
   RCP<const LocalSystems> assembleAgain(SurfaceOperators& surface, bool dense) const;
 
-  const DistributedModel& model_;
+  SystemModel model_;
   ContactLaw law_;
   RCP<JumpOperator> jump_;
   RCP<LocalSystems> systems_;
   RCP<NaturalCoarseSpace> G_;
   std::unique_ptr<BodyMotions> bodies_;
-  CoarseProblem::Holds holds_;
-  UnheldMotions floating_;
-  RCP<Vector> f_, c_;
-  std::vector<int> copies_;  ///< [mesh nodes] subdomains that share a node; only for nodal forces
+  UnheldMotions unheld_, floating_;
+  StepData step_;
   DualProblem dual_;
   RCP<const DualPreconditioner> preconditioner_;
-  std::vector<IsotropicMaterial> cappedMaterials_;  ///< of the preconditioner
+  CoarseOptions coarse_;
   LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
   std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]

@@ -2,7 +2,6 @@
 #pragma once
 #include "Haptos_DualProblem.hpp"
 #include "Haptos_KktMeasure.hpp"
-#include "Haptos_LinearElasticity.hpp"
 #include "Haptos_NodalGather.hpp"
 
 namespace Haptos {
@@ -25,7 +24,7 @@ LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& la
 /// \brief 2-norm and largest nodal value of the reactions at prescribed displacements.  Collective.
 LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda);
 
-/// \brief How good (u, lambda) is, from u, lambda and the element matrices alone.
+/// \brief How good (u, lambda) is, from u, lambda and the stiffnesses alone, as their source multiplies by them.
 struct Accuracy {
   KktErrors errors;
   KktScales scales;
@@ -37,14 +36,12 @@ struct Accuracy {
 
 /// \brief What the check needs of the model; references are kept.
 struct AccuracyInput {
-  const std::vector<Subdomain>& subdomains;
-  const std::vector<IsotropicMaterial>& materials;
-  Formulation formulation;
+  const LocalSystems& systems;
+  const std::vector<int>& bodies;  ///< [local subdomains]
+  int numBodies;                   ///< over all ranks
   const JumpOperator& jump;
   const ContactLaw& law;
-  const Vector& f;                                        ///< primal map
-  const Vector& c;                                        ///< dual map
-  const std::vector<PrescribedDisplacement>& prescribed;  ///< at nodes of this rank's range, see NodalGather::nodes
+  const StepData& step;
   const NodalGather& gather;
   LoadScales loads;
 };
@@ -61,6 +58,6 @@ inline bool isWithoutForce(const LoadScales& loads, double force, double roundOf
 }
 
 /// Collective.
-Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda);
+Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda);
 
 }  // namespace Haptos

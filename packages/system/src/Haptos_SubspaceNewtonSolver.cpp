@@ -4,6 +4,7 @@
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <optional>
 
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_KktEstimator.hpp"
@@ -45,7 +46,7 @@ bool keepsBalance(const FetiSystem& system) { return system.floatingMotions().ba
 
 struct SubspaceNewtonSolver::Impl {
   SolverContext context;
-  KktEstimator estimator;
+  std::optional<KktEstimator> estimator;
   RCP<MultiVector> lambda;
   RCP<const DeflatedPreconditioner> deflated;
   RCP<ContactProblem> problem;
@@ -57,15 +58,19 @@ struct SubspaceNewtonSolver::Impl {
 
   Impl(SolverContext c, int maximumPairs)
       : context(std::move(c)),
-        estimator(context.system, context.loads, keepsBalance(context.system) ? KktEstimator::Balance::Kept : KktEstimator::Balance::Sought),
-        lambda(Teuchos::rcp(new MultiVector(*context.system.dual().lambdaIm, Teuchos::Copy))),
+        lambda(Teuchos::rcp(new MultiVector(context.start.is_null() ? *context.system.dual().lambdaIm : *context.start, Teuchos::Copy))),
         problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this] { return makeDeflated(); }), lambda))) {
+    makeEstimator();
     auto list = Teuchos::parameterList();
     list->set("Maximum Pairs", maximumPairs);
     manager.setParameters(list);
     manager.setProblem(problem);
     manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimateKkt(l, s); });
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record, l); });
+  }
+
+  void makeEstimator() {
+    estimator.emplace(context.system, context.loads, keepsBalance(context.system) ? KktEstimator::Balance::Kept : KktEstimator::Balance::Sought);
   }
 
   ContactOperators::Deflated makeDeflated() {
@@ -75,14 +80,14 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   double estimateKkt(const Vector& l, const Vector& s) {
-    return estimator.estimate(l, s, request.tolerance, request.isDoubted ? KktEstimator::Scale::Doubted : KktEstimator::Scale::Trusted);
+    return estimator->estimate(l, s, request.tolerance, request.isDoubted ? KktEstimator::Scale::Doubted : KktEstimator::Scale::Trusted);
   }
 
   void keep(const SubspaceNewtonRecord& record, const Vector& l) {
     const ContactLaw& law = context.system.law();
-    const double force = record.isFinalLevel ? estimator.contactForce() : contactForceScale(law, l, context.loads.largest);
+    const double force = record.isFinalLevel ? estimator->contactForce() : contactForceScale(law, l, context.loads.largest);
     const auto states = countStates(law, l, force);
-    const double residual = record.isFinalLevel ? estimator.kkt() : record.residual;
+    const double residual = record.isFinalLevel ? estimator->kkt() : record.residual;
     history.push_back({context.system.dual().F->applications(), residual, states[0], states[1], states[2]});
     if (context.progress) context.progress(history.back());
   }
@@ -103,6 +108,15 @@ SubspaceNewtonSolver::SubspaceNewtonSolver(SolverContext context, const SolverOp
 SubspaceNewtonSolver::~SubspaceNewtonSolver() = default;
 
 void SubspaceNewtonSolver::startFrom(const DualSolution& solution) { impl_->manager.startFrom(*solution.lambda, *solution.s); }
+
+void SubspaceNewtonSolver::renew() {
+  Impl& impl = *impl_;
+  const FetiSystem& system = impl.context.system;
+  impl.makeEstimator();
+  impl.history.clear();
+  impl.problem->setStep(system.dual().h, system.dual().e, system.law().pairs());
+  impl.manager.goOn();
+}
 
 bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   Impl& impl = *impl_;

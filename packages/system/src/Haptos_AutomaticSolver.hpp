@@ -18,6 +18,7 @@ class AutomaticSolver final : public ContactSolver {
 
   std::string name() const override;
   bool solve(const SolveRequest& request) override;
+  void renew() override;
   const DualSolution& solution() const override { return best_ ? best_->solution : current_->solution(); }
   Outcome outcome() const override { return best_ ? best_->outcome : current_->outcome(); }
   int outerIterations() const override;

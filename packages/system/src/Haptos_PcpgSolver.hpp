@@ -13,6 +13,7 @@ class PcpgSolver final : public ContactSolver {
 
   std::string name() const override { return "PCPG"; }
   bool solve(const SolveRequest& request) override;
+  void renew() override;
   const DualSolution& solution() const override { return solution_; }
   Outcome outcome() const override { return outcome_; }
   int outerIterations() const override { return iterations_; }
@@ -22,6 +23,8 @@ class PcpgSolver final : public ContactSolver {
   }
 
  private:
+  void begin(const RCP<const Vector>& start);
+
   SolverContext context_;
   RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender

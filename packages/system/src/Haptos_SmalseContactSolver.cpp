@@ -78,8 +78,18 @@ struct SmalseContactSolver::Impl {
   SolveRequest request{};
 };
 
-SmalseContactSolver::SmalseContactSolver(SolverContext context, const SmalseOptions& options, RCP<const Vector> start)
-    : context_(std::move(context)), impl_(std::make_unique<Impl>(context_)) {
+SmalseContactSolver::SmalseContactSolver(SolverContext context, const SmalseOptions& options)
+    : context_(std::move(context)), options_(options) {
+  begin(context_.start);
+}
+
+void SmalseContactSolver::renew() {
+  history_.clear();
+  begin(solution_.lambda);
+}
+
+void SmalseContactSolver::begin(const RCP<const Vector>& start) {
+  impl_ = std::make_unique<Impl>(context_);
   const FetiSystem& system = context_.system;
   const DualProblem& dual = system.dual();
   const Vector& first = start.is_null() ? *dual.lambdaIm : *start;
@@ -88,7 +98,7 @@ SmalseContactSolver::SmalseContactSolver(SolverContext context, const SmalseOpti
   impl_->program = Teuchos::rcp(new FetiProgram(dual, impl_->x, rightHandSide(dual), impl_->fixedPoint->set()));
   impl_->manager.setProblem(impl_->program);
   impl_->manager.setMultiplier(gapMultiplier(system));
-  impl_->manager.setOptions({options});
+  impl_->manager.setOptions({options_});
   impl_->manager.setFeasibleSetUpdate(Teuchos::rcp(impl_->fixedPoint.get(), false));
   impl_->manager.setOuterTest([this](const MultiVector& x, const MultiVector& g) { return estimateKkt(x, g); });
   impl_->manager.setObserver([this](const SmalseRecord&) { record(impl_->estimator.kkt()); });

@@ -31,14 +31,27 @@ class ProjectedPreconditioner final : public Operator {
 }  // namespace
 
 PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
+  x_ = Teuchos::rcp(new MultiVector(context_.system.dual().map(), 1));
+  begin(context_.start);
+  if (context_.system.hasSlenderSubdomains()) deflated_ = context_.system.makeDeflated();
+}
+
+void PcpgSolver::renew() {
+  history_.clear();
+  begin(solution_.lambda);
+}
+
+// b = P (h - F lambdaIm), x = start - lambdaIm or 0
+void PcpgSolver::begin(const RCP<const Vector>& start) {
   const DualProblem& dual = context_.system.dual();
   Vector r(*dual.h, Teuchos::Copy);
   dual.F->apply(*dual.lambdaIm, r, Teuchos::NO_TRANS, -1.0, 1.0);
   b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
   dual.P->apply(r, *b_);
-  if (b_->getVector(0)->norm2() <= kNothing * r.norm2()) b_->putScalar(0.0);
-  x_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
-  if (context_.system.hasSlenderSubdomains()) deflated_ = context_.system.makeDeflated();
+  const bool isNothing = b_->getVector(0)->norm2() <= kNothing * r.norm2();
+  if (isNothing) b_->putScalar(0.0);
+  x_->putScalar(0.0);
+  if (!start.is_null() && !isNothing) x_->update(1.0, *start, -1.0, *dual.lambdaIm, 0.0);
 }
 
 bool PcpgSolver::solve(const SolveRequest& request) {

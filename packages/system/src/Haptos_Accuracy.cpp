@@ -9,8 +9,6 @@
 #include <limits>
 #include <numeric>
 
-#include "Haptos_StiffnessAssembler.hpp"
-
 namespace Haptos {
 namespace {
 
@@ -35,7 +33,7 @@ Continuity measureOwnNodes(const AccuracyInput& model, const NodalGather::Copies
   for (std::size_t i = 0; i < copies.mean.size(); ++i) result.see(copies.highest[i] - copies.lowest[i], first + std::int64_t(i / 3));
   for (std::size_t i = 0; i < copies.mean.size(); i += 3)
     result.largest = std::max(result.largest, std::hypot(copies.mean[i], copies.mean[i + 1], copies.mean[i + 2]));
-  for (const auto& p : model.prescribed) {
+  for (const auto& p : model.step.prescribed) {
     const std::size_t at = 3 * std::size_t(p.node - first) + std::size_t(p.component);
     result.see(std::max(std::abs(copies.highest[at] - p.value), std::abs(copies.lowest[at] - p.value)), p.node);
   }
@@ -54,28 +52,20 @@ Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
   return {most[0], most[1], most[0] > 0 ? std::int64_t(node) : -1};
 }
 
-int numBodies(const AccuracyInput& model, const Communicator& comm) {
-  int mine = 0, all = 0;
-  for (const auto& sub : model.subdomains) mine = std::max(mine, sub.body + 1);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(all));
-  return all;
-}
-
 // Squared norm of f - K u - B^T lambda for every body.
 std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
-  Vector residual(model.f, Teuchos::Copy);
+  Vector residual(*model.step.f, Teuchos::Copy);
   model.jump.apply(lambda, residual, Teuchos::TRANS, -1.0, 1.0);
   const auto& comm = *u.getMap()->getComm();
   const auto r = residual.getData(0), x = u.getData(0);
-  std::vector<double> mine(std::size_t(numBodies(model, comm)), 0.0), all(mine);
-  for (std::size_t i = 0; i < model.subdomains.size(); ++i) {
-    const auto& sub = model.subdomains[i];
+  std::vector<double> mine(std::size_t(model.numBodies), 0.0), all(mine);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const auto offset = model.jump.primalOffsets()[i];
-    const Eigen::Index n = sub.numDofs();
+    const Eigen::Index n = Eigen::Index(model.jump.primalOffsets()[i + 1] - offset);
     const Eigen::Map<const Eigen::VectorXd> ui(x.getRawPtr() + offset, n), ri(r.getRawPtr() + offset, n);
     Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
-    applyStiffness(sub.coordinates, sub.groups, model.materials, model.formulation, ui, Ku);
-    mine[std::size_t(sub.body)] += (ri - Ku).squaredNorm();
+    model.systems.source().multiply(int(i), ui, Ku);
+    mine[std::size_t(model.bodies[i])] += (ri - Ku).squaredNorm();
   }
   Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
   return all;
@@ -145,11 +135,11 @@ double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>
   return std::numeric_limits<double>::epsilon() * std::sqrt(all);
 }
 
-Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems, const Vector& u, const Vector& lambda) {
+Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
   const Continuity continuity = measureContinuity(model, u);
   const LoadScales reactions = measureReactions(model.jump.multipliers(), lambda);
   const auto residual = measureResidual(model, u, lambda);
-  Vector s(model.c, Teuchos::Copy);
+  Vector s(*model.step.c, Teuchos::Copy);
   model.jump.apply(u, s, Teuchos::NO_TRANS, 1.0, -1.0);  // s = B u - c
 
   Accuracy result;
@@ -159,7 +149,7 @@ Accuracy measureAccuracy(const AccuracyInput& model, const LocalSystems& systems
   const double imbalance = std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0));
   result.errors.equilibrium = ratio(imbalance, result.ext);
   result.errors.continuity = ratio(std::max(continuity.difference, measureTied(model.jump.multipliers(), s)), continuity.largest);
-  const double roundOff = roundOffForce(systems, model.jump.primalOffsets(), u);
+  const double roundOff = roundOffForce(model.systems, model.jump.primalOffsets(), u);
   result.floor = ratio(roundOff, result.ext);
   const double contact = contactForceScale(model.law, lambda, 0);
   if (isWithoutForce(model.loads, std::max({result.ext, imbalance, contact}), roundOff)) {  // no force: nothing to compare with

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
 #include "Haptos_EvenRanges.hpp"
-#include "Haptos_Subdomain.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -12,8 +12,9 @@ namespace Haptos {
 /// \brief Brings vectors on all subdomains to the nodes of the mesh, each node to the rank in whose range it lies.
 class NodalGather {
  public:
+  /// \param nodesOfCopies nodes of this rank's subdomains, one after the other (`nodesOf`)
   /// \param numMeshNodes of the whole mesh, the same on all ranks.  Collective.
-  NodalGather(RCP<const Communicator> comm, const std::vector<Subdomain>& subdomains, std::int64_t numMeshNodes);
+  NodalGather(RCP<const Communicator> comm, const std::vector<std::int64_t>& nodesOfCopies, std::int64_t numMeshNodes);
 
   const EvenRanges& nodes() const { return nodes_; }
   std::int64_t firstNode() const;  ///< of this rank's range, by mesh index

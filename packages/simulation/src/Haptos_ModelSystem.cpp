@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ModelSystem.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+#include "Haptos_ElasticStiffness.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_NodalLoads.hpp"
+#include "Haptos_Rendezvous.hpp"
+
+namespace Haptos {
+namespace {
+
+bool contains(const std::vector<int>& list, int value) { return std::find(list.begin(), list.end(), value) != list.end(); }
+
+// Sides of a group that a load acts on, each once: sets overlap, and some programs list a face twice.
+std::vector<GroupSide> loadedSides(const Subdomain& sub, int group, const Load& load) {
+  std::set<std::pair<int, int>> found;
+  for (const auto& side : sub.sides)
+    if (side.group == group && contains(load.sideSets, side.sideSet)) found.emplace(side.element, side.side);
+  std::vector<GroupSide> sides;
+  for (const auto& [element, side] : found) sides.push_back({element, side});
+  return sides;
+}
+
+void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd> f) {
+  const ScalarField pressure = [&](double x, double y, double z) { return load.pressure(x, y, z); };
+  const VectorField vector = [&](double x, double y, double z) { return load.value(x, y, z); };
+  for (int g = 0; g < int(sub.groups.size()); ++g) {
+    if (load.kind == Load::Kind::BodyForce) {
+      if (contains(load.blocks, sub.blockOfGroup[g])) addBodyForce(sub.coordinates, sub.groups[g], vector, f);
+      continue;
+    }
+    const auto sides = loadedSides(sub, g, load);
+    if (sides.empty()) continue;
+    if (load.kind == Load::Kind::Pressure) addPressure(sub.coordinates, sub.groups[g], sides, pressure, f);
+    else addTraction(sub.coordinates, sub.groups[g], sides, vector, f);
+  }
+}
+
+// In how many subdomains of all ranks every mesh node lies.  Collective.
+std::vector<int> countCopies(const Communicator& comm, const std::vector<Subdomain>& subdomains) {
+  std::int64_t mine = 0, size = 0;  // nodes ascend in a subdomain
+  for (const auto& sub : subdomains)
+    if (!sub.nodes.empty()) mine = std::max(mine, sub.nodes.back() + 1);
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(size));
+  std::vector<int> count(std::size_t(size), 0), all(std::size_t(size), 0);
+  for (const auto& sub : subdomains)
+    for (auto node : sub.nodes) ++count[node];
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(size), count.data(), all.data());
+  return all;
+}
+
+// The copies of a node share its force equally.
+void addForces(const Subdomain& sub, const std::vector<int>& copies, const NodalForces& forces, Eigen::Ref<Eigen::VectorXd> f) {
+  for (int i = 0; i < sub.numNodes(); ++i) {
+    const auto force = forces(sub.nodes[i], sub.coordinates[i]);
+    for (int d = 0; d < 3; ++d) {
+      if (!std::isfinite(force[d]))
+        throw InputError("The nodal force at node " + std::to_string(sub.nodes[i] + 1) + " of the mesh is not finite.");
+      f[3 * i + d] += force[d] / copies[sub.nodes[i]];
+    }
+  }
+}
+
+// Near incompressibility S is stiff against changes of volume, which F does not mirror: a capped ratio does better.
+bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<IsotropicMaterial>& capped) {
+  constexpr double kLargestRatio = 0.4;
+  bool any = false;
+  capped = materials;
+  for (auto& material : capped) {
+    any = any || material.poissonsRatio > kLargestRatio;
+    material.poissonsRatio = std::min(material.poissonsRatio, kLargestRatio);
+  }
+  return any;
+}
+
+// The file's number of a node, which rank 0 knows.  Collective.
+std::string numberOf(const DistributedModel& model, std::int64_t node) {
+  long long number = 0;
+  if (model.comm->getRank() == 0 && node >= 0) number = model.global.mesh.nodeNumbers[std::size_t(node)];
+  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(number));
+  return std::to_string(number);
+}
+
+}  // namespace
+
+SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNodes) {
+  SystemModel system;
+  system.comm = model.comm;
+  system.stiffness = std::make_shared<ElasticStiffness>(model.subdomains, model.data.materials, model.data.formulation);
+  std::vector<IsotropicMaterial> capped;
+  if (capMaterials(model.data.materials, capped))
+    system.softened = std::make_shared<ElasticStiffness>(model.subdomains, capped, model.data.formulation);
+  system.firstSubdomain = model.firstSubdomain;
+  for (const auto& sub : model.subdomains) system.bodies.push_back(sub.body);
+  system.bodyNames = model.data.bodyNames;
+  system.hinged = model.data.hinged;
+  system.interfaceNames = model.data.interfaceNames;
+  system.friction = model.data.friction;
+  system.multipliers = model.multipliers;
+  system.gather = std::make_shared<NodalGather>(model.comm, nodesOf(model.subdomains), numMeshNodes);
+  system.nameOfNode = [&model](std::int64_t node) { return numberOf(model, node); };
+  return system;
+}
+
+StepData firstStep(const DistributedModel& model, const FetiSystem& system) {
+  const JumpOperator& jump = system.jump();
+  std::vector<int> copies;  // [mesh nodes] subdomains that share a node; only for nodal forces
+  if (!model.nodalForces.empty()) copies = countCopies(*model.comm, model.subdomains);
+  const auto f = Teuchos::rcp(new Vector(jump.getDomainMap())), c = Teuchos::rcp(new Vector(model.multipliers->map()));
+  runOnAllRanks(*model.comm, [&] {
+    const auto data = f->getDataNonConst(0);
+    for (std::size_t i = 0; i < model.subdomains.size(); ++i) {
+      Eigen::Map<Eigen::VectorXd> own(data.getRawPtr() + jump.primalOffsets()[i], model.subdomains[i].numDofs());
+      for (const auto& load : model.data.loads) addLoad(model.subdomains[i], load, own);
+      for (const auto& forces : model.nodalForces) addForces(model.subdomains[i], copies, forces, own);
+    }
+  });
+  const auto data = c->getDataNonConst(0);
+  std::copy(model.multipliers->c().begin(), model.multipliers->c().end(), data.begin());
+  const EvenRanges& nodes = system.model().gather->nodes();
+  return {f, c, sendItems(*model.comm, model.global.prescribed, [&](const auto& p) { return nodes.owner(p.node); })};
+}
+
+}  // namespace Haptos

@@ -1,0 +1,328 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactSystem.hpp"
+
+#include <Teuchos_Comm.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Exchange.hpp"
+#include "Haptos_OptionTable.hpp"
+#include "Haptos_SystemInput.hpp"
+
+namespace Haptos {
+namespace {
+
+using Teuchos::ArrayView;
+using Teuchos::ParameterList;
+
+constexpr int kComponents = 3;
+
+// What was given since the last set-up, by what has to be done again.
+struct Changes {
+  bool stiffness = false, rows = false, values = false, laws = false;
+
+  // Whether any rank changed something.  Collective.
+  Changes ofAll(const Communicator& comm) const {
+    const int mine[4] = {stiffness, rows, values, laws};
+    int all[4];
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, 4, mine, all);
+    return {all[0] != 0, all[1] != 0, all[2] != 0, all[3] != 0};
+  }
+};
+
+template <class Options>
+Options readSublist(const ParameterList& list, const std::string& name, const std::vector<std::string>& sublists = {}) {
+  if (!list.isSublist(name)) return {};
+  const ParameterList& own = list.sublist(name);
+  std::vector<std::string> known = sublists;
+  for (const auto& option : Options::table()) known.push_back(option.spec.name);
+  requireKnownNames(own, known, name);
+  return readOptions<Options>(own, name);
+}
+
+SystemOptions readSystemOptions(const ParameterList& list) {
+  requireKnownNames(list, {"Solver", "Local Solver", "Preconditioner", "Coarse Problem", "Decomposition"}, "");
+  SystemOptions options;
+  options.localSolver = readSublist<LocalSolverOptions>(list, "Local Solver");
+  options.preconditioner = readSublist<PreconditionerOptions>(list, "Preconditioner");
+  options.coarse = readSublist<CoarseOptions>(list, "Coarse Problem");
+  options.solver = readSublist<SolverOptions>(list, "Solver", {"SMALSE"});
+  if (list.isSublist("Solver")) options.solver.smalse = readSublist<SmalseOptions>(list.sublist("Solver"), "SMALSE");
+  return options;
+}
+
+bool needsRows(const FrictionSpec& a, const FrictionSpec& b) {
+  return a.tied != b.tied || (a.law == FrictionLaw::Frictionless) != (b.law == FrictionLaw::Frictionless);
+}
+
+Coordinates coordinatesOf(ArrayView<const double> values) {
+  Coordinates result(std::size_t(values.size()) / 3);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (int d = 0; d < kComponents; ++d) result[i][std::size_t(d)] = values[Teuchos::Ordinal(3 * i) + d];
+  return result;
+}
+
+}  // namespace
+
+struct ContactSystem::Impl {
+  RCP<const Communicator> comm;  // of this object alone
+  SystemOptions options;
+  DecompositionOptions decomposition;
+  std::unique_ptr<SystemInput> input;
+  std::string refused;  // what was wrong with an addition on this rank, told by the next Collective call
+  Changes changes;
+  std::unique_ptr<StepSolver> solver;
+  RCP<const Vector> c, lambda;
+  long rows = 0;
+
+  void refuse(const std::string& text) {
+    if (refused.empty()) refused = text;
+  }
+
+  void takeRows(const RCP<const MultiplierMap>& rowsOfToday) {
+    const auto vector = Teuchos::rcp(new Vector(solver->system().model().multipliers->map()));
+    TEUCHOS_ASSERT(rowsOfToday->c().size() == vector->getLocalLength());
+    const auto data = vector->getDataNonConst(0);
+    std::copy(rowsOfToday->c().begin(), rowsOfToday->c().end(), data.begin());
+    c = vector;
+  }
+
+  void start() {
+    auto fresh = std::make_unique<StepSolver>(input->deal(decomposition), options, StepSolver::Observer{});
+    fresh->prepare();
+    solver = std::move(fresh);
+    ++rows;
+    takeRows(solver->system().model().multipliers);
+  }
+
+  // A system that was half renewed when something went wrong is made anew by the next call.
+  template <class Work>
+  void renew(Work&& work) {
+    try {
+      work();
+    } catch (...) {
+      solver.reset();
+      throw;
+    }
+  }
+
+  void update(const Changes& what) {
+    if (what.stiffness) input->readStiffness();
+    const bool other = what.stiffness || what.rows;
+    if (other || what.values) {
+      const auto rowsOfToday = input->makeRows();
+      if (what.laws) solver->setFriction(input->friction());
+      if (what.stiffness) renew([&] { solver->renewStiffness(input->stiffness(), rowsOfToday); });
+      else if (what.rows) renew([&] { solver->renewRows(rowsOfToday); });
+      rows += other;
+      takeRows(rowsOfToday);
+    } else if (what.laws) {
+      solver->setFriction(input->friction());
+    }
+  }
+};
+
+ContactSystem::ContactSystem(const RCP<const Communicator>& comm, const RCP<const ParameterList>& parameters) : impl_(std::make_unique<Impl>()) {
+  impl_->comm = comm->duplicate();
+  impl_->input = std::make_unique<SystemInput>(impl_->comm);
+  if (parameters.is_null()) return;
+  impl_->options = readSystemOptions(*parameters);
+  impl_->decomposition = readSublist<DecompositionOptions>(*parameters, "Decomposition");
+}
+
+ContactSystem::ContactSystem(SystemModel model, SystemOptions options, StepSolver::Observer observer) : impl_(std::make_unique<Impl>()) {
+  impl_->comm = model.comm;
+  impl_->solver = std::make_unique<StepSolver>(std::move(model), std::move(options), std::move(observer));
+}
+
+ContactSystem::~ContactSystem() = default;
+
+int ContactSystem::addInterface(std::string name, const FrictionSpec& friction) {
+  impl_->input->interfaces.push_back({std::move(name), friction});
+  impl_->changes.rows = true;
+  return int(impl_->input->interfaces.size()) - 1;
+}
+
+void ContactSystem::addSubdomain(const SubdomainInput& subdomain) {
+  SystemInput::Subdomain sub{subdomain.body, {}, {}};
+  sub.ids.assign(subdomain.nodes.begin(), subdomain.nodes.end());
+  const std::string who = "A subdomain of body " + std::to_string(subdomain.body);
+  const auto rows = 3 * subdomain.nodes.size();
+  if (impl_->solver) return impl_->refuse(who + " is added after setUp; other subdomains are another system.");
+  if (subdomain.body < 0) return impl_->refuse(who + " is given; bodies are numbered from 0.");
+  if (subdomain.coordinates.size() != rows)
+    return impl_->refuse(who + " has " + std::to_string(subdomain.nodes.size()) + " nodes and " +
+                         std::to_string(subdomain.coordinates.size()) + " coordinates; each has three.");
+  if (subdomain.kernel.size() % std::max<Teuchos::Ordinal>(rows, 1) != 0)
+    return impl_->refuse(who + " has a kernel whose columns are not of its " + std::to_string(rows) + " unknowns.");
+  std::vector<std::int64_t> sorted = sub.ids;
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice != sorted.end()) return impl_->refuse(who + " has node " + std::to_string(*twice) + " twice.");
+  if (!sorted.empty() && sorted.front() < 0) return impl_->refuse(who + " has node " + std::to_string(sorted.front()) + "; ids must be >= 0.");
+  sub.part.coordinates = coordinatesOf(subdomain.coordinates);
+  for (const auto& x : sub.part.coordinates)
+    if (!Vec3::isFinite(x)) return impl_->refuse(who + " has a coordinate that is not finite.");
+  sub.part.K = subdomain.K;
+  if (subdomain.kernel.size() > 0)
+    sub.part.kernel = Eigen::Map<const Eigen::MatrixXd>(subdomain.kernel.getRawPtr(), rows, subdomain.kernel.size() / rows);
+  impl_->input->subdomains.push_back(std::move(sub));
+}
+
+void ContactSystem::addNodes(ArrayView<const GlobalOrdinal> nodes, ArrayView<const double> coordinates) {
+  if (coordinates.size() != 3 * nodes.size())
+    return impl_->refuse(std::to_string(nodes.size()) + " nodes come with " + std::to_string(coordinates.size()) + " coordinates; each has three.");
+  const Coordinates places = coordinatesOf(coordinates);
+  for (Teuchos::Ordinal i = 0; i < nodes.size(); ++i) impl_->input->places[nodes[i]] = places[std::size_t(i)];
+}
+
+void ContactSystem::addElement(int body, ArrayView<const GlobalOrdinal> nodes, ArrayView<const double> Ke) {
+  ElementMatrix element{body, {nodes.begin(), nodes.end()}, {Ke.begin(), Ke.end()}, {}};
+  const std::string who = "An element of body " + std::to_string(body);
+  if (impl_->solver) return impl_->refuse(who + " is added after setUp; other elements are another system.");
+  if (body < 0) return impl_->refuse(who + " is given; bodies are numbered from 0.");
+  if (Ke.size() != 9 * nodes.size() * nodes.size())
+    return impl_->refuse(who + " with " + std::to_string(nodes.size()) + " nodes has a matrix of " + std::to_string(Ke.size()) +
+                         " entries; it must have " +
+                         std::to_string(9 * nodes.size() * nodes.size()) + ".");
+  for (auto node : nodes) {
+    const auto place = impl_->input->places.find(node);
+    if (place == impl_->input->places.end() || node < 0)
+      return impl_->refuse(who + " has node " + std::to_string(node) +
+                           ", whose place was not given on this rank: call addNodes first, with ids >= 0.");
+    element.places.push_back(place->second);
+  }
+  impl_->input->elements.push_back(std::move(element));
+}
+
+void ContactSystem::prescribe(GlobalOrdinal node, int component, double value) {
+  if (component < 0 || component >= kComponents || !std::isfinite(value))
+    return impl_->refuse("Component " + std::to_string(component) + " of node " + std::to_string(node) + " is prescribed as " +
+                         std::to_string(value) +
+                         "; components are 0, 1, 2 and values finite.");
+  const auto [at, isNew] = impl_->input->prescribed.insert_or_assign({std::int64_t(node), component}, value);
+  (isNew ? impl_->changes.rows : impl_->changes.values) = true;
+}
+
+int ContactSystem::addPair(const PairInput& pair) {
+  impl_->input->pairs.push_back(pair);
+  impl_->changes.rows = true;
+  return int(impl_->input->pairs.size()) - 1;
+}
+
+void ContactSystem::clearPairs() {
+  impl_->input->pairs.clear();
+  impl_->changes.rows = true;
+}
+
+void ContactSystem::setGap(int pair, double gap) {
+  if (pair < 0 || pair >= int(impl_->input->pairs.size()))
+    return impl_->refuse("A gap is given for pair " + std::to_string(pair) + "; this rank added " + std::to_string(impl_->input->pairs.size()) +
+                         ", numbered from 0.");
+  impl_->input->pairs[std::size_t(pair)].gap = gap;
+  impl_->changes.values = true;
+}
+
+void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
+  if (interface < 0 || interface >= int(impl_->input->interfaces.size()))
+    return impl_->refuse("Friction is given for interface " + std::to_string(interface) + "; there are " +
+                         std::to_string(impl_->input->interfaces.size()) + ", numbered from 0.");
+  FrictionSpec& own = impl_->input->interfaces[std::size_t(interface)].friction;
+  (needsRows(own, friction) ? impl_->changes.rows : impl_->changes.laws) = true;
+  impl_->changes.laws = true;
+  own = friction;
+}
+
+void ContactSystem::updateStiffness() {
+  if (!impl_->input->elements.empty())
+    impl_->refuse("updateStiffness is for matrices that are shared; elements were copied: a system of other elements is a new one.");
+  impl_->changes.stiffness = true;
+}
+
+void ContactSystem::setUp() {
+  const std::string refused = std::exchange(impl_->refused, "");
+  runOnAllRanks(*impl_->comm, [&] {
+    if (!refused.empty()) throw InputError(refused);
+  });
+  if (!impl_->solver) impl_->start();
+  else impl_->update(impl_->changes.ofAll(*impl_->comm));
+  impl_->changes = {};
+}
+
+RCP<const Map> ContactSystem::map() const { return impl_->input->map(); }
+
+ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
+  setUp();
+  const bool fits = f.getMap()->isSameAs(*map()) && u.getMap()->isSameAs(*map());
+  runOnAllRanks(*impl_->comm, [&] {
+    if (!fits) throw InputError("Loads and displacements of a system must lie on its map().");
+    for (double value : f.getData(0))
+      if (!std::isfinite(value)) throw InputError("A load is not finite.");
+  });
+  const auto& system = impl_->solver->system();
+  const StepData step{impl_->input->spread(f, system.jump().getDomainMap()), impl_->c, impl_->input->prescribedHere()};
+  const StepResult result = impl_->solver->solve(step);
+  impl_->input->average(*result.u, u);
+  impl_->lambda = result.dual.lambda;
+  return {result.solved, result.reason, result.method, result.accuracy.errors.kkt(), result.multiplications};
+}
+
+RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
+
+std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
+  const SystemInput& input = *impl_->input;
+  const Communicator& comm = *impl_->comm;
+  struct Sent {
+    int interface, position;
+    std::array<double, 3> force;
+  };
+  // The rank that added a pair, by the first positions of all ranks.
+  ByteWriter firsts;
+  for (std::size_t k = 0; k < input.interfaces.size(); ++k) firsts.write(input.firstOfInterface(int(k)));
+  std::vector<std::vector<int>> first;  // [ranks][interfaces]
+  for (const auto& message : gatherOnAll(comm, firsts.take())) {
+    ByteReader reader(message);
+    first.emplace_back();
+    for (std::size_t k = 0; k < input.interfaces.size(); ++k) first.back().push_back(reader.read<int>());
+  }
+  std::vector<ByteWriter> writers(first.size());
+  const auto& multipliers = *impl_->solver->system().model().multipliers;
+  const auto lambda = impl_->lambda->getData(0);
+  for (std::size_t i = 0; i < multipliers.pairs().size(); ++i) {
+    const LocalPair& pair = multipliers.pairs()[i];
+    std::size_t rank = first.size() - 1;
+    while (first[rank][std::size_t(pair.interface)] > pair.pair) --rank;
+    writers[rank].write(Sent{pair.interface, pair.pair, ContactLaw::gather(impl_->solver->system().law().pairs()[i], lambda.getRawPtr())});
+  }
+  std::vector<Bytes> messages;
+  for (auto& writer : writers) messages.push_back(writer.take());
+  std::map<std::pair<int, int>, std::array<double, 3>> forces;
+  for (const auto& message : exchangeAll(comm, messages)) {
+    ByteReader reader(message);
+    while (!reader.atEnd()) {
+      const auto sent = reader.read<Sent>();
+      forces[{sent.interface, sent.position}] = sent.force;
+    }
+  }
+  std::vector<std::array<double, 3>> result;
+  std::vector<int> next = first[std::size_t(comm.getRank())];
+  for (const auto& pair : input.pairs) result.push_back(forces[{pair.interface, next[std::size_t(pair.interface)]++}]);
+  return result;
+}
+
+ContactSystem::Counters ContactSystem::counters() const {
+  const long mine = impl_->solver ? impl_->solver->factorizations() : 0;
+  Counters counters{0, impl_->solver ? impl_->solver->multiplications() : 0, impl_->rows};
+  Teuchos::reduceAll(*impl_->comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(counters.factorizations));
+  return counters;
+}
+
+StepSolver& ContactSystem::solver() { return *impl_->solver; }
+const StepSolver& ContactSystem::solver() const { return *impl_->solver; }
+
+}  // namespace Haptos

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "Haptos_Options.hpp"
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief An element with its stiffness [3 nodes x 3 nodes] and the places of its nodes.
+struct ElementMatrix {
+  int body;
+  std::vector<std::int64_t> nodes;  ///< ids
+  std::vector<double> K;
+  std::vector<std::array<double, 3>> places;
+};
+
+/// \brief Elements of one subdomain.
+struct ElementPart {
+  int body = 0;
+  std::vector<ElementMatrix> elements;
+};
+
+/// \brief Cuts elements of all ranks into subdomains and sends these to ranks, in the order of their numbers; by METIS, body by body.
+///
+/// Elements are neighbours where they share three nodes (or all but one of the smaller one's, if it has less).  The graph is cut
+/// on rank 0; the cut does not depend on who brought which element if their nodes tell them apart.  Collective.
+/// \throws InputError if a body is in pieces that share no side
+std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const DecompositionOptions& options);
+
+}  // namespace Haptos

@@ -1,0 +1,175 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_FetiSystem.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_Exchange.hpp"
+#include "Haptos_LoadAdmissibility.hpp"
+#include "Haptos_PairLaws.hpp"
+#include "Haptos_RunClock.hpp"
+#include "Haptos_SoftModes.hpp"
+
+namespace Haptos {
+namespace {
+
+std::vector<int> sizesOf(const SubdomainStiffness& stiffness) {
+  std::vector<int> sizes;
+  for (int i = 0; i < stiffness.size(); ++i) sizes.push_back(3 * int(stiffness.coordinates(i).size()));
+  return sizes;
+}
+
+// Not by all ranks: what is dense would then depend on how they are spread over machines.  Collective.
+double ranksOfMachine(const Communicator& comm) {
+  std::vector<int> ranks(std::size_t(comm.getSize()), 0), all(ranks);
+  const auto machine = std::size_t(lowestRankOfNode(comm));
+  ranks[machine] = 1;
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, comm.getSize(), ranks.data(), all.data());
+  return all[machine];
+}
+
+}  // namespace
+
+FetiSystem::FetiSystem(SystemModel model)
+    : model_(std::move(model)),
+      law_(makeContactLaw(*model_.multipliers, model_.friction)),
+      systems_(Teuchos::rcp(new LocalSystems(model_.stiffness))) {}
+
+void FetiSystem::assemble() {
+  runOnAllRanks(*model_.comm, [&] { systems_->assemble(); });
+  useRows();
+}
+
+// B, G and what depends on these alone.
+void FetiSystem::useRows() {
+  jump_ = Teuchos::rcp(new JumpOperator(model_.multipliers, model_.firstSubdomain, sizesOf(*model_.stiffness)));
+  G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_));
+  bodies_ = std::make_unique<BodyMotions>(*G_, *systems_, model_.bodies, model_.bodyNames);
+  unheld_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing; });
+  floating_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing && isEquality(kind); });
+}
+
+template <class Holds>
+UnheldMotions FetiSystem::motionsUnheldBy(Holds&& holds) const {
+  std::vector<char> counts;
+  for (const RowKind kind : model_.multipliers->kinds()) counts.push_back(holds(kind));
+  return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
+}
+
+void FetiSystem::setStep(StepData step) {
+  const Eigen::VectorXd e = G_->restrictLoad(*step.f, *systems_);
+  const double loadScale = step.f->getVector(0)->norm2();
+  requireBalance(unheld_, *bodies_, e, loadScale);
+  requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
+  step_ = std::move(step);
+  if (isFormed()) dual_.setStep(step_);
+}
+
+void FetiSystem::setFriction(std::vector<FrictionSpec> friction) {
+  law_ = makeContactLaw(*model_.multipliers, friction);
+  model_.friction = std::move(friction);
+}
+
+void FetiSystem::factor(const LocalSolverOptions& options, std::optional<PreconditionerKind> preconditioner) {
+  kind_ = preconditioner;
+  localMethod_ = options.method;
+  SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), localMethod_);
+  const double mayUse = 0.5 * physicalMemoryBytes() / ranksOfMachine(*model_.comm);
+  runOnAllRanks(*model_.comm, [&] {
+    systems_->factor(*jump_, localMethod_, options.dual, mayUse, [&](int) {
+      if (kind_ && !model_.softened) surface.add(*systems_, *jump_);
+    });
+  });
+  makePreconditioner(std::move(surface));
+}
+
+// From the surfaces of the systems, or of softened ones, which are made here.
+void FetiSystem::makePreconditioner(SurfaceOperators surface) {
+  if (!kind_) return;
+  findSlender();
+  RCP<const LocalSystems> systems = systems_;
+  if (model_.softened) systems = assembleAgain(surface, kind_ == PreconditionerKind::Dirichlet);
+  preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface)));
+}
+
+// K once more, each class as long as the preconditioner's part of it is made.
+RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, bool dense) const {
+  const auto systems = Teuchos::rcp(new LocalSystems(model_.softened ? model_.softened : model_.stiffness));
+  runOnAllRanks(*model_.comm, [&] {
+    systems->assemble();
+    if (dense) systems->condenseLike(*systems_);
+    else systems->findClasses();
+    for (int c = 0; c < systems->numClasses(); ++c) {
+      surface.add(*systems, *jump_);
+      systems->releaseStiffness(c);
+    }
+  });
+  return systems;
+}
+
+void FetiSystem::formDual(const CoarseOptions& coarse) {
+  coarse_ = coarse;
+  const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
+  const auto placement = std::make_shared<CoarsePlacement>(model_.comm, G_->dimension(), coarse);
+  std::vector<double> isGluing, isContact;
+  for (const auto kind : model_.multipliers->kinds()) {
+    isGluing.push_back(isEquality(kind));
+    isContact.push_back(!isEquality(kind));
+  }
+  RCP<CoarseProblem> GGT;
+  try {
+    GGT = Teuchos::rcp(new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holdsFor(unheld_, *bodies_),
+                                         CoarseProblem::Factor::Now));
+  } catch (const std::runtime_error&) {  // thrown on all ranks
+    if (!model_.hinged.empty())
+      throw InsufficientModel("The model has no solution: pieces of body '" + model_.hinged.front() +
+                              "' hang together by single nodes or edges, and a rotation about these is held by nothing. "
+                              "Join them by element sides, or hold every piece.");
+    if (model_.isOwn)
+      throw InsufficientModel("The model has no solution: a motion that costs no energy in the kernels given with the stiffnesses, and is "
+                              "not a rigid one, is held by nothing. Prescribe displacements against it.");
+    throw;
+  }
+  dual_ = DualProblem(F, G_, GGT);
+  if (!step_.f.is_null()) dual_.setStep(step_);
+}
+
+void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
+  model_.multipliers = std::move(multipliers);
+  law_ = makeContactLaw(*model_.multipliers, model_.friction);
+  step_ = {};
+  useRows();
+  if (!isFormed()) return;
+  dual_ = {};
+  SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), localMethod_);
+  runOnAllRanks(*model_.comm, [&] {
+    systems_->renewSurfaces(*jump_, localMethod_, [&](int) {
+      if (kind_ && !model_.softened) surface.add(*systems_, *jump_);
+    });
+  });
+  makePreconditioner(std::move(surface));
+  formDual(coarse_);
+}
+
+void FetiSystem::findSlender() {
+  slender_.clear();
+  for (int i = 0; i < systems_->size(); ++i)
+    slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(model_.stiffness->coordinates(i)));
+  const int mine = std::count(slender_.begin(), slender_.end(), char(1)) > 0;
+  int any = 0;
+  Teuchos::reduceAll(*model_.comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
+  anySlender_ = any != 0;
+}
+
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {
+  if (kind_ != PreconditionerKind::Dirichlet) return {};
+  // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
+  SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
+  const auto systems = assembleAgain(surface, false);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_);
+}
+
+}  // namespace Haptos

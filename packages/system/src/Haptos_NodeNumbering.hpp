@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+/// \brief Numbers 0 .. size - 1 for nodes that have any ids, in the order of the ids.
+///
+/// Every rank keeps the ids of a range of values, whoever brought them.
+class NodeNumbering {
+ public:
+  NodeNumbering() = default;
+  /// \param ids >= 0 that this rank brings, with repetitions.  Collective.
+  NodeNumbering(RCP<const Communicator> comm, const std::vector<std::int64_t>& ids);
+
+  /// \brief Numbers of ids; -1 where nobody brought one.  Collective.
+  std::vector<std::int64_t> find(const std::vector<std::int64_t>& ids) const;
+  std::int64_t size() const { return size_; }  ///< over all ranks
+
+ private:
+  int rankOf(std::int64_t id) const { return int(id / perRank_); }
+  std::vector<std::vector<std::int64_t>> collect(const std::vector<std::int64_t>& ids) const;
+
+  RCP<const Communicator> comm_;
+  std::int64_t perRank_ = 1, first_ = 0, size_ = 0;
+  std::vector<std::int64_t> own_;  // ascending
+};
+
+}  // namespace Haptos

@@ -1,0 +1,132 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_OwnStiffness.hpp"
+
+#include <Eigen/Dense>
+#include <Tpetra_CrsMatrix.hpp>
+#include <cmath>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
+#include "Haptos_RigidBodyModes.hpp"
+#include "Haptos_TpetraCompat.hpp"
+
+namespace Haptos {
+namespace {
+
+using Part = OwnStiffness::Part;
+using SparseMatrix = Eigen::SparseMatrix<double>;
+
+constexpr double kNoEnergy = 1e-10;  // of what diag K gives the same motion
+
+// visit(row, column, value) for every entry; unknowns are numbered as in the map of the rows.
+template <class Visit>
+void forEachEntry(const CrsMatrix& K, Visit&& visit) {
+  const auto rows = K.getRowMap(), columns = K.getColMap();
+  std::vector<int> unknown(localNumElements(*columns));
+  for (std::size_t j = 0; j < unknown.size(); ++j) unknown[j] = rows->getLocalElement(columns->getGlobalElement(LocalOrdinal(j)));
+  for (LocalOrdinal i = 0; i < LocalOrdinal(localNumRows(K)); ++i)
+    forEachEntryOfRow(K, i, [&](LocalOrdinal j, double value) { visit(i, unknown[std::size_t(j)], value); });
+}
+
+[[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
+
+void requireSize(const Part& part) {
+  const std::size_t n = 3 * part.coordinates.size();
+  if (n == 0) refuse(part, "has no nodes.");
+  if (part.K.is_null()) refuse(part, "is missing.");
+  if (!part.K->isFillComplete()) refuse(part, "is not complete: call its fillComplete().");
+  if (part.K->getRowMap()->getComm()->getSize() != 1 && part.K->getRowMap()->getGlobalNumElements() != localNumElements(*part.K->getRowMap()))
+    refuse(part, "lies on several ranks; a subdomain is one rank's.");
+  if (localNumRows(*part.K) != n)
+    refuse(part, "has " + std::to_string(localNumRows(*part.K)) + " rows; its " + std::to_string(n / 3) + " nodes have " + std::to_string(n) +
+                     " unknowns, three each.");
+}
+
+void requireSymmetry(const Part& part, const SparseMatrix& K) {
+  constexpr double kSymmetric = 1e-9;  // of the largest entry
+  double largest = 0;
+  for (Eigen::Index k = 0; k < K.nonZeros(); ++k) {
+    if (!std::isfinite(K.valuePtr()[k])) refuse(part, "has an entry that is not finite.");
+    largest = std::max(largest, std::abs(K.valuePtr()[k]));
+  }
+  const SparseMatrix T = K.transpose(), difference = K - T;
+  double worst = 0;
+  for (Eigen::Index k = 0; k < difference.nonZeros(); ++k) worst = std::max(worst, std::abs(difference.valuePtr()[k]));
+  if (worst > kSymmetric * largest)
+    refuse(part, "is not symmetric: entries differ by " + formatted("%.1e", worst) + " of " + formatted("%.1e", largest) + ".");
+  if (K.diagonal().minCoeff() <= 0) refuse(part, "has a diagonal entry that is not positive: a node hangs on nothing.");
+}
+
+// An orthonormal basis of what the caller says K does not feel.
+Eigen::MatrixXd givenKernel(const Part& part, const SparseMatrix& K) {
+  if (part.kernel.rows() != K.rows())
+    refuse(part, "comes with a kernel of " + std::to_string(part.kernel.rows()) + " rows; it has " + std::to_string(K.rows()) + ".");
+  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(part.kernel);
+  if (qr.rank() < part.kernel.cols()) refuse(part, "comes with a kernel whose columns depend on each other.");
+  const Eigen::MatrixXd R = qr.householderQ() * Eigen::MatrixXd::Identity(K.rows(), part.kernel.cols());
+  const Eigen::VectorXd weights = K.diagonal();
+  for (Eigen::Index j = 0; j < R.cols(); ++j) {
+    const double energy = R.col(j).dot(K * R.col(j)), measure = R.col(j).dot(weights.cwiseProduct(R.col(j)));
+    if (!(std::abs(energy) <= kNoEnergy * measure))
+      refuse(part, "comes with a kernel that it does not have: R^T K R is " + formatted("%.1e", energy / measure) + " of R^T diag(K) R.");
+  }
+  return R;
+}
+
+Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
+  if (part.kernel.size() > 0) return givenKernel(part, K);
+  Eigen::MatrixXd R = rigidKernel(K, part.coordinates);
+  if (R.cols() == 0)
+    refuse(part, "has no rigid motion without energy: it is definite (a held, dynamic or merged matrix), or its kernel is another one. "
+                 "Give the matrix of the subdomain alone, with nothing held, and prescribe displacements beside it; or give its kernel.");
+  return R;
+}
+
+}  // namespace
+
+Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinates) {
+  using Small = Eigen::Matrix<double, 6, 6>;
+  const Eigen::MatrixXd R = rigidBodyModes(coordinates, {});
+  const Small energy = R.transpose() * (K * R), measure = R.transpose() * K.diagonal().asDiagonal() * R;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Small> eigen(0.5 * (energy + energy.transpose()), measure);
+  Eigen::Index k = 0;
+  while (k < 6 && eigen.eigenvalues()[k] <= kNoEnergy) ++k;
+  if (k == 6) return R;
+  if (k == 0) return Eigen::MatrixXd(R.rows(), 0);
+  const Eigen::MatrixXd some = R * eigen.eigenvectors().leftCols(k);
+  return Eigen::HouseholderQR<Eigen::MatrixXd>(some).householderQ() * Eigen::MatrixXd::Identity(some.rows(), k);
+}
+
+OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
+  for (int i = 0; i < size(); ++i) {
+    requireSize(part(i));
+    const SparseMatrix K = assemble(i);
+    requireSymmetry(part(i), K);
+    kernels_.push_back(kernelOf(part(i), K));
+  }
+}
+
+SparseMatrix OwnStiffness::assemble(int i) const {
+  const CrsMatrix& K = *part(i).K;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(localNumEntries(K));
+  forEachEntry(K, [&](int row, int column, double value) { entries.emplace_back(row, column, value); });
+  const auto n = Eigen::Index(localNumRows(K));
+  SparseMatrix result(n, n);
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+void OwnStiffness::multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const {
+  forEachEntry(*part(i).K, [&](int row, int column, double value) { Ku[row] += value * u[column]; });
+}
+
+std::vector<double> OwnStiffness::nodalStiffness(int i) const {
+  std::vector<double> result(part(i).coordinates.size(), 0.0);
+  forEachEntry(*part(i).K, [&](int row, int column, double value) {
+    if (row == column) result[std::size_t(row) / 3] += value / 3;
+  });
+  return result;
+}
+
+}  // namespace Haptos

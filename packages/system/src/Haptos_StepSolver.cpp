@@ -1,0 +1,136 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_StepSolver.hpp"
+
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+
+#include "Haptos_AutomaticSolver.hpp"
+#include "Haptos_Diagnosis.hpp"
+#include "Haptos_PcpgSolver.hpp"
+
+namespace Haptos {
+namespace {
+
+// SMALSE uses none.
+std::optional<PreconditionerKind> preconditionerKind(const SystemOptions& options) {
+  return options.solver.method == SolverMethod::Smalse ? std::nullopt : options.preconditioner.kind;
+}
+
+}  // namespace
+
+StepSolver::StepSolver(SystemModel model, SystemOptions options, Observer observer)
+    : options_(std::move(options)), observer_(std::move(observer)), system_(std::make_unique<FetiSystem>(std::move(model))) {}
+
+StepSolver::~StepSolver() = default;
+
+std::optional<RunClock::Scope> StepSolver::time(Phase phase) const {
+  if (observer_.clock == nullptr) return {};
+  return observer_.clock->time(phase);
+}
+
+void StepSolver::prepare() { system_->assemble(); }
+
+void StepSolver::check(StepData step) {
+  system_->setStep(std::move(step));
+  loads_ = measureLoads(*system_->model().gather, system_->f(), *system_->model().comm);
+}
+
+void StepSolver::factor() {
+  {
+    const auto scope = time(Phase::Factor);
+    system_->factor(options_.localSolver, preconditionerKind(options_));
+  }
+  const auto scope = time(Phase::Coarse);
+  system_->formDual(options_.coarse);
+}
+
+std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
+  SolverMethod method = options_.solver.method;
+  const bool contact = system_->model().multipliers->numPairs() > 0;
+  if (method == SolverMethod::Automatic && !contact) method = SolverMethod::Pcpg;
+  if (method == SolverMethod::Automatic && system_->preconditioner().is_null()) method = SolverMethod::Smalse;  // the one that needs none
+  const SolverContext context{*system_, loads_, observer_.progress, start_};
+  switch (method) {
+    case SolverMethod::Smalse: return std::make_unique<SmalseContactSolver>(context, options_.solver.smalse);
+    case SolverMethod::Pcpg: return std::make_unique<PcpgSolver>(context);
+    case SolverMethod::SubspaceNewton: return std::make_unique<SubspaceNewtonSolver>(context, options_.solver);
+    case SolverMethod::Automatic: break;
+  }
+  return std::make_unique<AutomaticSolver>(context, options_.solver);
+}
+
+Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u) const {
+  const auto scope = time(Phase::Recover);
+  u = recoverPrimal(system_->dual(), *solution.lambda, *solution.s);
+  return measureAccuracy({system_->systems(), system_->model().bodies, int(system_->model().bodyNames.size()), system_->jump(),
+                          system_->law(), system_->step(), *system_->model().gather, loads_},
+                         *u, *solution.lambda);
+}
+
+// Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.
+bool StepSolver::iterate(StepResult& result) {
+  constexpr int kAttempts = 12;
+  const double tolerance = options_.solver.tolerance;
+  SolveRequest request{tolerance, system_->dual().F->applications() + options_.solver.maximumMultiplications};
+  bool passed = false;
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    passed = solver_->solve(request);
+    result.accuracy = measure(solver_->solution(), result.u);
+    const double kkt = result.accuracy.errors.kkt();
+    if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
+    // The method's scale of displacements mostly is all that was wrong.
+    request.isDoubted = true;
+    request.tolerance *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+  }
+  return passed;
+}
+
+StepResult StepSolver::solve(StepData step) {
+  if (step.f != system_->step().f || step.c != system_->step().c) check(std::move(step));
+  if (!system_->isFormed()) factor();
+  const auto scope = time(Phase::Solve);
+  const long before = multiplications();
+  StepResult result;
+  if (solver_) solver_->renew();
+  else solver_ = makeSolver();
+  const bool passed = iterate(result);
+  result.solved = result.accuracy.errors.kkt() <= options_.solver.tolerance;
+  if (!result.solved) result.reason = explainUnconverged({*system_, result.accuracy, *solver_, *result.u, passed, options_});
+  result.method = solver_->name();
+  result.dual = solver_->solution();
+  result.outerIterations = solver_->outerIterations();
+  result.multiplications = multiplications() - before;
+  result.history = solver_->history();
+  result.subspace = solver_->subspace();
+  result.deflation = solver_->deflation();
+  start_ = result.dual.lambda;
+  return result;
+}
+
+void StepSolver::setFriction(std::vector<FrictionSpec> friction) { system_->setFriction(std::move(friction)); }
+
+void StepSolver::renewRows(RCP<const MultiplierMap> multipliers) {
+  multipliedBefore_ = multiplications();
+  solver_.reset();
+  start_ = Teuchos::null;
+  system_->renewRows(std::move(multipliers));
+}
+
+void StepSolver::renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers) {
+  multipliedBefore_ = multiplications();
+  factoredBefore_ = factorizations();
+  solver_.reset();
+  SystemModel model = system_->model();
+  model.stiffness = std::move(stiffness);
+  model.multipliers = std::move(multipliers);
+  system_ = std::make_unique<FetiSystem>(std::move(model));
+  system_->assemble();
+}
+
+long StepSolver::factorizations() const { return factoredBefore_ + system_->systems().factorizations(); }
+long StepSolver::multiplications() const {
+  return multipliedBefore_ + (system_->isFormed() ? system_->dual().F->applications() : 0);
+}
+
+}  // namespace Haptos

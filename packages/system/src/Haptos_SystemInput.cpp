@@ -1,0 +1,358 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SystemInput.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_Export.hpp>
+#include <Tpetra_Import.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Util.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Exchange.hpp"
+#include "Haptos_LocalFrame.hpp"
+#include "Haptos_Rendezvous.hpp"
+#include "Haptos_TpetraCompat.hpp"
+#include "Haptos_Vec3.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr int kComponents = 3;
+
+// The elements of a subdomain merged, on this rank alone.
+SystemInput::Subdomain merge(const ElementPart& part) {
+  SystemInput::Subdomain sub{part.body, {}, {}};
+  std::map<std::int64_t, std::array<double, 3>> places;
+  for (const auto& element : part.elements)
+    for (std::size_t i = 0; i < element.nodes.size(); ++i) places[element.nodes[i]] = element.places[i];
+  for (const auto& [id, x] : places) {
+    sub.ids.push_back(id);
+    sub.part.coordinates.push_back(x);
+  }
+  const auto comm = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
+  const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(kComponents * sub.ids.size()), 0, comm));
+  std::vector<std::set<GlobalOrdinal>> columns(kComponents * sub.ids.size());
+  const auto unknownsOf = [&](const ElementMatrix& element) {
+    std::vector<GlobalOrdinal> unknowns;
+    for (auto id : element.nodes) {
+      const auto node = std::lower_bound(sub.ids.begin(), sub.ids.end(), id) - sub.ids.begin();
+      for (int d = 0; d < kComponents; ++d) unknowns.push_back(kComponents * node + d);
+    }
+    return unknowns;
+  };
+  for (const auto& element : part.elements) {
+    const auto unknowns = unknownsOf(element);
+    for (auto row : unknowns) columns[std::size_t(row)].insert(unknowns.begin(), unknowns.end());
+  }
+  std::size_t widest = 0;
+  for (const auto& row : columns) widest = std::max(widest, row.size());
+  const auto K = Teuchos::rcp(new CrsMatrix(map, widest));
+  for (std::size_t row = 0; row < columns.size(); ++row) {
+    const std::vector<GlobalOrdinal> list(columns[row].begin(), columns[row].end());
+    const std::vector<double> zeros(list.size(), 0.0);
+    K->insertGlobalValues(GlobalOrdinal(row), LocalOrdinal(list.size()), zeros.data(), list.data());
+  }
+  for (const auto& element : part.elements) {
+    const auto unknowns = unknownsOf(element);
+    for (std::size_t i = 0; i < unknowns.size(); ++i)
+      K->sumIntoGlobalValues(unknowns[i], LocalOrdinal(unknowns.size()), element.K.data() + i * unknowns.size(), unknowns.data());
+  }
+  K->fillComplete();
+  sub.part.K = K;
+  return sub;
+}
+
+std::string describe(const PairInput& pair) { return "The contact pair of node " + std::to_string(pair.secondary); }
+
+void checkPair(const PairInput& pair, int numInterfaces) {
+  constexpr double kRoundOff = 1e-8;
+  if (pair.interface < 0 || pair.interface >= numInterfaces)
+    throw InputError(describe(pair) + " names interface " + std::to_string(pair.interface) + "; there are " + std::to_string(numInterfaces) +
+                     ", numbered from 0.");
+  if (!std::isfinite(pair.gap)) throw InputError(describe(pair) + " has a gap that is not finite.");
+  if (!(pair.area > 0 && std::isfinite(pair.area)))
+    throw InputError(describe(pair) + " has the area " + std::to_string(pair.area) + "; it must be > 0.");
+  double sum = 0;
+  for (const auto& [node, weight] : pair.primary) sum += weight;
+  if (!pair.primary.empty() && !(std::abs(sum - 1) <= kRoundOff))
+    throw InputError(describe(pair) + " has primary weights that add up to " + std::to_string(sum) + "; it must be 1.");
+  makeFrame(pair.normal, pair.axis);
+}
+
+}  // namespace
+
+void SystemInput::checkInterfaces() const {
+  ByteWriter writer;
+  for (const auto& interface : interfaces) {
+    writer.write(interface.name);
+    writer.write(interface.friction.law);
+    writer.write(interface.friction.coefficients);
+    writer.write(interface.friction.slipBound);
+  }
+  const auto all = gatherOnAll(*comm_, writer.take());
+  if (!std::equal(all.begin() + 1, all.end(), all.begin()))
+    throw InputError("The interfaces differ from rank to rank; every rank must add the same ones, in the same order, with the same friction.");
+  for (const auto& [name, friction] : interfaces) {
+    for (double F : friction.coefficients)
+      if (!(F >= 0 && std::isfinite(F)))
+        throw InputError("Interface '" + name + "' has the coefficient of friction " + std::to_string(F) + "; it must be >= 0.");
+    if (!(friction.slipBound >= 0 && std::isfinite(friction.slipBound)))
+      throw InputError("Interface '" + name + "' has the slip bound " + std::to_string(friction.slipBound) + "; it must be >= 0.");
+  }
+}
+
+void SystemInput::checkKind() const {
+  const int mine[2] = {!subdomains.empty(), !elements.empty()};
+  int any[2];
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, 2, mine, any);
+  if (any[0] && any[1]) throw InputError("A system takes subdomains or elements, not both.");
+  if (!any[0] && !any[1]) throw InputError("The system is empty: add subdomains or elements.");
+}
+
+// "0", "1", ...
+std::vector<std::string> SystemInput::nameBodies() const {
+  int mine = -1, largest = -1;
+  for (const auto& sub : dealt_) mine = std::max(mine, sub.body);
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
+  std::vector<int> here(std::size_t(largest) + 1, 0), anywhere(here);
+  for (const auto& sub : dealt_) here[std::size_t(sub.body)] = 1;
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, int(here.size()), here.data(), anywhere.data());
+  std::vector<std::string> names;
+  for (std::size_t body = 0; body < anywhere.size(); ++body) {
+    if (!anywhere[body]) throw InputError("Body " + std::to_string(body) + " has no subdomain; bodies are numbered from 0 without gaps.");
+    names.push_back(std::to_string(body));
+  }
+  return names;
+}
+
+SystemModel SystemInput::deal(const DecompositionOptions& options) {
+  checkKind();
+  checkInterfaces();
+  dealt_ = subdomains;
+  int any = 0, brought = !elements.empty();
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, brought, Teuchos::outArg(any));
+  if (any)
+    for (const auto& part : cutElements(*comm_, elements, options)) dealt_.push_back(merge(part));
+  const int count = int(dealt_.size());
+  int end = 0;
+  Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, count, Teuchos::outArg(end));
+  first_ = end - count;
+  for (int i = 0; i < count; ++i)
+    dealt_[std::size_t(i)].part.name =
+        "subdomain " + std::to_string(first_ + i) + " (body " + std::to_string(dealt_[std::size_t(i)].body) + ")";
+  readStiffness();
+  numberNodes();
+
+  SystemModel model;
+  model.comm = comm_;
+  model.stiffness = stiffness_;
+  model.isOwn = true;
+  model.firstSubdomain = first_;
+  for (const auto& sub : dealt_) model.bodies.push_back(sub.body);
+  model.bodyNames = nameBodies();
+  for (const auto& interface : interfaces) model.interfaceNames.push_back(interface.name);
+  model.friction = friction();
+  model.gather = gather_;
+  model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
+  model.multipliers = makeRows();
+  return model;
+}
+
+void SystemInput::readStiffness() {
+  runOnAllRanks(*comm_, [&] {
+    std::vector<OwnStiffness::Part> parts;
+    for (const auto& sub : dealt_) parts.push_back(sub.part);
+    stiffness_ = std::make_shared<const OwnStiffness>(std::move(parts));
+  });
+}
+
+std::vector<FrictionSpec> SystemInput::friction() const {
+  std::vector<FrictionSpec> result;
+  for (const auto& interface : interfaces) result.push_back(interface.friction);
+  return result;
+}
+
+// Consecutive numbers in the order of the ids; the callers' map; copies of every node.
+void SystemInput::numberNodes() {
+  std::vector<std::int64_t> ids;
+  for (const auto& sub : dealt_) ids.insert(ids.end(), sub.ids.begin(), sub.ids.end());
+  numbering_ = NodeNumbering(comm_, ids);
+  const auto numbers = numbering_.find(ids);
+  nodes_.clear();
+  std::size_t at = 0;
+  for (const auto& sub : dealt_) {
+    nodes_.emplace_back(numbers.begin() + std::ptrdiff_t(at), numbers.begin() + std::ptrdiff_t(at + sub.ids.size()));
+    at += sub.ids.size();
+  }
+  gather_ = std::make_shared<NodalGather>(comm_, numbers, numbering_.size());
+  mapNodes(ids);
+}
+
+void SystemInput::mapNodes(const std::vector<std::int64_t>& ids) {
+  std::vector<std::int64_t> unique = ids;
+  std::sort(unique.begin(), unique.end());
+  unique.erase(std::unique(unique.begin(), unique.end()), unique.end());
+  std::vector<GlobalOrdinal> unknowns;
+  for (auto id : unique)
+    for (int d = 0; d < kComponents; ++d) unknowns.push_back(kComponents * id + d);
+  const auto invalid = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  overlap_ = Teuchos::rcp(new Map(invalid, Teuchos::ArrayView<const GlobalOrdinal>(unknowns.data(), unknowns.size()), 0, comm_));
+  map_ = Tpetra::createOneToOne<LocalOrdinal, GlobalOrdinal, Map::node_type>(overlap_);
+  overlapOfCopy_.clear();
+  Vector here(overlap_), sum(map_);
+  {
+    const auto data = here.getDataNonConst(0);
+    for (auto id : ids) {
+      overlapOfCopy_.push_back(kComponents * int(std::lower_bound(unique.begin(), unique.end(), id) - unique.begin()));
+      for (int d = 0; d < kComponents; ++d) data[overlapOfCopy_.back() + d] += 1;
+    }
+  }
+  sum.doExport(here, Tpetra::Export<>(overlap_, map_), Tpetra::ADD);
+  here.doImport(sum, Tpetra::Import<>(map_, overlap_), Tpetra::INSERT);
+  const auto data = here.getData(0);
+  copies_.assign(data.begin(), data.end());
+}
+
+// Each once, on the rank that has the node in `map`.
+std::vector<PrescribedDisplacement> SystemInput::collectPrescribed() const {
+  struct Sent {
+    std::int64_t id;
+    int component;
+    double value;
+    int rank;
+  };
+  std::vector<GlobalOrdinal> unknowns;
+  for (const auto& [key, value] : prescribed) unknowns.push_back(kComponents * key.first + key.second);
+  std::vector<int> ranks(unknowns.size(), -1);
+  map_->getRemoteIndexList(Teuchos::ArrayView<const GlobalOrdinal>(unknowns.data(), unknowns.size()),
+                           Teuchos::ArrayView<int>(ranks.data(), ranks.size()));
+  std::vector<Sent> mine;
+  std::string missing;
+  std::size_t i = 0;
+  for (const auto& [key, value] : prescribed) {
+    if (ranks[i] < 0) missing = "A displacement is prescribed at node " + std::to_string(key.first) + ", which is in no subdomain.";
+    mine.push_back({key.first, key.second, value, ranks[i++]});
+  }
+  runOnAllRanks(*comm_, [&] {
+    if (!missing.empty()) throw InputError(missing);
+  });
+  std::map<std::pair<std::int64_t, int>, double> all;
+  std::string differing;
+  for (const auto& sent : sendItems(*comm_, mine, [](const Sent& s) { return s.rank; })) {
+    const auto [at, isNew] = all.emplace(std::make_pair(sent.id, sent.component), sent.value);
+    if (!isNew && at->second != sent.value)
+      differing = "Displacements " + std::to_string(at->second) + " and " + std::to_string(sent.value) + " are prescribed at node " +
+                  std::to_string(sent.id) + ", component " + std::to_string(sent.component) + ".";
+  }
+  runOnAllRanks(*comm_, [&] {
+    if (!differing.empty()) throw InputError(differing);
+  });
+  std::vector<std::int64_t> ids;
+  for (const auto& [key, value] : all) ids.push_back(key.first);
+  const auto numbers = numbering_.find(ids);
+  std::vector<PrescribedDisplacement> result;
+  std::size_t k = 0;
+  for (const auto& [key, value] : all) result.push_back({numbers[k++], key.second, value});
+  return result;
+}
+
+void SystemInput::checkPairs() const {
+  runOnAllRanks(*comm_, [&] {
+    for (const auto& pair : pairs) checkPair(pair, int(interfaces.size()));
+  });
+}
+
+// Numbered interface by interface, rank after rank, in the order in which they were added.
+std::vector<PlacedPair> SystemInput::placePairs() {
+  checkPairs();
+  std::vector<std::int64_t> ids;
+  for (const auto& pair : pairs) {
+    ids.push_back(pair.secondary);
+    for (const auto& [node, weight] : pair.primary) ids.push_back(node);
+  }
+  const auto numbers = numbering_.find(ids);
+  std::vector<int> count(interfaces.size(), 0), next(count);
+  for (const auto& pair : pairs) ++count[std::size_t(pair.interface)];
+  if (!count.empty()) Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, int(count.size()), count.data(), next.data());
+  for (std::size_t k = 0; k < next.size(); ++k) next[k] -= count[k];
+  firstOfInterface_ = next;
+  std::vector<PlacedPair> placed;
+  std::size_t at = 0;
+  runOnAllRanks(*comm_, [&] {
+    const auto nodeOf = [&](const PairInput& pair, std::int64_t id) {
+      if (numbers[at] < 0) throw InputError(describe(pair) + " needs node " + std::to_string(id) + ", which is in no subdomain.");
+      return numbers[at++];
+    };
+    for (const auto& pair : pairs) {
+      ContactPair geometry;
+      geometry.secondaryNode = nodeOf(pair, pair.secondary);
+      geometry.secondary = {{geometry.secondaryNode, 1.0}};
+      for (const auto& [node, weight] : pair.primary) geometry.primary.push_back({nodeOf(pair, node), weight});
+      geometry.frame = makeFrame(pair.normal, pair.axis);
+      geometry.gap = pair.gap;
+      geometry.area = pair.area;
+      placed.push_back({pair.interface, next[std::size_t(pair.interface)]++, std::move(geometry)});
+    }
+  });
+  return placed;
+}
+
+RCP<const MultiplierMap> SystemInput::makeRows() {
+  RowSources sources;
+  for (std::size_t i = 0; i < dealt_.size(); ++i)
+    sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
+  sources.pairs = placePairs();
+  sources.prescribed = collectPrescribed();
+  prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });
+  for (const auto& [name, friction] : interfaces)
+    sources.interfaces.push_back({name, friction.tied, friction.law != FrictionLaw::Frictionless});
+  return Teuchos::rcp(new MultiplierMap(comm_, sources));
+}
+
+// Found by the rank that has a copy with this number.
+std::string SystemInput::nameOfNode(std::int64_t number) const {
+  long long mine = -1, id = -1;
+  for (std::size_t i = 0; i < nodes_.size(); ++i)
+    for (std::size_t k = 0; k < nodes_[i].size(); ++k)
+      if (nodes_[i][k] == number) mine = dealt_[i].ids[k];
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(id));
+  return std::to_string(id);
+}
+
+RCP<Vector> SystemInput::spread(const Vector& f, const RCP<const Map>& primal) const {
+  Vector here(overlap_);
+  here.doImport(f, Tpetra::Import<>(map_, overlap_), Tpetra::INSERT);
+  const auto result = Teuchos::rcp(new Vector(primal));
+  const auto from = here.getData(0);
+  const auto to = result->getDataNonConst(0);
+  for (std::size_t copy = 0; copy < overlapOfCopy_.size(); ++copy)
+    for (int d = 0; d < kComponents; ++d) {
+      const int at = overlapOfCopy_[copy] + d;
+      to[Teuchos::Ordinal(kComponents * copy) + d] = from[at] / copies_[std::size_t(at)];
+    }
+  return result;
+}
+
+void SystemInput::average(const Vector& copies, Vector& u) const {
+  Vector here(overlap_);
+  {
+    const auto from = copies.getData(0);
+    const auto to = here.getDataNonConst(0);
+    for (std::size_t copy = 0; copy < overlapOfCopy_.size(); ++copy)
+      for (int d = 0; d < kComponents; ++d) {
+        const int at = overlapOfCopy_[copy] + d;
+        to[at] += from[Teuchos::Ordinal(kComponents * copy) + d] / copies_[std::size_t(at)];
+      }
+  }
+  u.putScalar(0.0);
+  u.doExport(here, Tpetra::Export<>(overlap_, map_), Tpetra::ADD);
+}
+
+}  // namespace Haptos
