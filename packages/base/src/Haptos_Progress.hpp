@@ -10,7 +10,7 @@ namespace Haptos {
 
 /// \brief Tells the user what the run is doing: "[    1.2 s] iteration 12, residual 3e-4".
 ///
-/// On a terminal `update` rewrites one line; in a log, and under mpirun, it prints plain lines, at most one per interval.
+/// On a terminal `update` rewrites one line; in a log it prints plain lines, at most one per interval.
 /// Rank 0 prints; calls on the other ranks do nothing, and no call communicates.
 class Progress {
  public:

@@ -87,6 +87,7 @@ Matrix3d stressOf(const Matrix3d& h, double shear, double dilatational) {
   return sigma;
 }
 
+// u on the element's nodes.
 template <class Shape>
 ElementVector<Shape> gather(const Eigen::Ref<const Eigen::VectorXd>& u, const int* nodes) {
   ElementVector<Shape> local;
@@ -122,6 +123,7 @@ ElasticModuli elasticModuli(const IsotropicMaterial& material) {
   return {e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)), shear, e / (3.0 * (1.0 - 2.0 * nu))};
 }
 
+// grad N_a = J^-T dN_a/dxi at every point, and what each point stands for, w det J.
 template <class Shape>
 ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const ElementGroup& group,
                                          int element) {
@@ -194,6 +196,7 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
   return result;
 }
 
+// One stress an element, of groups of either shape.
 std::vector<Stress> elementStresses(const Coordinates& coordinates, const ElementGroup& group,
                                     const IsotropicMaterial& material,
                                     const Eigen::Ref<const Eigen::VectorXd>& displacement) {

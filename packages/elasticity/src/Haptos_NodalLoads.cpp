@@ -124,6 +124,7 @@ void addBodyForce(const Coordinates& coordinates, const ElementGroup& group, con
   }
 }
 
+// f_a += sum over points of N_a t |dA|
 void addTraction(const Coordinates& coordinates, const ElementGroup& group,
                  const std::vector<GroupSide>& sides, const VectorField& traction,
                  Eigen::Ref<Eigen::VectorXd> f) {
@@ -137,6 +138,7 @@ void addTraction(const Coordinates& coordinates, const ElementGroup& group,
                   });
 }
 
+// f_a -= sum over points of N_a p dA: pressure pushes against the outward normal, warped sides included.
 void addPressure(const Coordinates& coordinates, const ElementGroup& group,
                  const std::vector<GroupSide>& sides, const ScalarField& pressure,
                  Eigen::Ref<Eigen::VectorXd> f) {

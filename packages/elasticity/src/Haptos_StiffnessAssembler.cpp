@@ -149,6 +149,7 @@ ElasticModuli moduliOf(const ElementGroup& group, const std::vector<IsotropicMat
 
 }  // namespace
 
+// The pattern once, full 3 x 3 blocks between nodes of an element, then the values in place: no triplets, no sorting.
 SparseMatrix assembleStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
                                const std::vector<IsotropicMaterial>& materials, Formulation formulation) {
   TEUCHOS_ASSERT(coordinates.size() < std::size_t(std::numeric_limits<int>::max() / 3));

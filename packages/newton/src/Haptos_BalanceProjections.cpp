@@ -106,7 +106,7 @@ CoarseProblem::Holds weakened(CoarseProblem::Holds holds) {
 
 }  // namespace
 
-// coarse_ = G_E D G_E^T, fixed, + G_c^T-rows weighted by the law, changing: `renew` sends and factors the second part alone.
+// coarse_ = K = G_A D G_A^T: the part of the gluing rows is fixed, that of contact rows changes; `renew` sends and factors that alone.
 ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, const GluingBalance& gluing, const DualVectors& vectors,
                                                const Eigen::VectorXd& weights)
     : gluing_(gluing),

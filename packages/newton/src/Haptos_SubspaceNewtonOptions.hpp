@@ -105,7 +105,7 @@ struct SubspaceNewtonOptions {
     long largest = 150;
     int newtonSteps = 60;          ///< a bound: they need no F
     double reduction = 1e-9;       ///< of phi: far below what M_Z^-1 is worth as F
-    double leastStep = 1e-3;       ///< of the line search; then the step of the least residual
+    double leastStep = 1e-3;       ///< of the line search; then the step of the least residual, or the full one
     double armijo = 1e-4;
     double solved = 1e-6;          ///< of phi; where more is left Newton starts once more, from tied bodies
   };

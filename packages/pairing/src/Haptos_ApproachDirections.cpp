@@ -20,6 +20,7 @@ Vec3::Array meanNormal(const ContactSurface& surface) {
   return length > 0.1 * area ? Vec3::scale(1.0 / length, mean) : Vec3::Array{};
 }
 
+// No node on an edge.
 bool isSmooth(const ContactSurface& surface) {
   return std::all_of(surface.turns.begin(), surface.turns.end(),
                      [](double turn) { return turn < smoothTurn; });
@@ -27,6 +28,7 @@ bool isSmooth(const ContactSurface& surface) {
 
 }  // namespace
 
+// n of the secondary surface, m against that of the primary one, and what lies between them; a closed surface has no mean normal.
 std::vector<Vec3::Array> approachDirections(const ContactSurface& secondary, const ContactSurface& primary) {
   std::vector<Vec3::Array> directions;
   if (!isSmooth(secondary) || !isSmooth(primary)) return directions;

@@ -52,6 +52,7 @@ ContactSurface surfaceOf(const Mesh& mesh, const ContactSpec& spec, const std::s
   }
 }
 
+// A node on both surfaces would be in contact with itself: bodies must be apart there, by nodes of their own.
 void checkNoSharedNode(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary,
                        const ContactSurface& primary) {
   std::vector<std::int64_t> shared;
@@ -141,6 +142,7 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
 
 }  // namespace
 
+// Surfaces, pairs, and what the user should know of them.
 ContactInterface buildContactInterface(const Mesh& mesh, const ContactSpec& spec) {
   checkSpec(spec);
   const ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");

@@ -26,6 +26,7 @@ std::vector<ElementSide> uniqueSides(const SideSet& set) {
   return sides;
 }
 
+// As the file counts elements, for messages.
 std::int64_t elementNumber(const Mesh& mesh, std::int64_t element) {
   return mesh.elementNumbers.empty() ? element + 1 : mesh.elementNumbers[std::size_t(element)];
 }
@@ -49,6 +50,7 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
   return faces;
 }
 
+// Nodes ascend, so that they are found by bisection and two surfaces are compared in one pass.
 void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>& faces,
                  ContactSurface& surface) {
   for (const auto& face : faces) surface.nodes.insert(surface.nodes.end(), face.begin(), face.end());
@@ -67,6 +69,7 @@ void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>&
   }
 }
 
+// Places of a facet's corners; the fourth of a triangle is of no use.
 Corners cornersOf(const ContactSurface& surface, int facet) {
   Corners x{};
   for (int i = 0; i < surface.facetSize(facet); ++i)

@@ -55,6 +55,7 @@ int FacetTree::build(int begin, int end) {
   return self;
 }
 
+// The smallest box around both.
 FacetTree::Box FacetTree::unite(const Box& a, const Box& b) {
   Box box;
   for (std::size_t c = 0; c < 3; ++c) {
@@ -79,6 +80,7 @@ bool FacetTree::meets(const Box& box, const std::array<double, 3>& origin,
   return true;
 }
 
+// Boxes that the line misses are left out with all that is in them; the line has no end on either side.
 void FacetTree::facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
                                std::vector<int>& facets) const {
   facets.clear();

@@ -53,6 +53,7 @@ class Matcher {
     match_.gap.assign(s_.numNodes(), 0.0);
   }
 
+  // Secondary nodes first, as every one of them must be told; then what their partners leave of the primary surface.
   SurfaceMatch run() {
     pairSecondaryNodes();
     checkUnpairedPrimaryNodes();
@@ -221,6 +222,7 @@ double Matcher::allowance(int node, double gap) const {
   return exactMismatch(node) + std::min(std::abs(gap) * s_.turns[i], 0.25 * s_.sizes[i]);
 }
 
+// Whether a node lies straight opposite, up to the tolerance that the user gives.
 bool Matcher::hasExact(int node, const std::vector<Candidate>& candidates) const {
   return std::any_of(candidates.begin(), candidates.end(),
                      [&](const Candidate& c) { return c.mismatch <= exactMismatch(node); });
@@ -327,6 +329,7 @@ void Matcher::countMismatchedFaces() {
   }
 }
 
+// Counts, the worst node, how far it is off in element sizes: whether a coarser tolerance or another mesh is wanted.
 void Matcher::refuseMismatch(const Mismatch& worst, const ContactSurface& own,
                              const ContactSurface& other) const {
   std::ostringstream text;
@@ -342,6 +345,7 @@ void Matcher::refuseMismatch(const Mismatch& worst, const ContactSurface& own,
   throw NonMatchingError(text.str());
 }
 
+// Two nodes at one place, or one node too few opposite.
 void Matcher::refuseCompetition(const ContactSurface& surface, int a, int b) const {
   const ContactSurface& other = &surface == &s_ ? p_ : s_;
   std::ostringstream text;
