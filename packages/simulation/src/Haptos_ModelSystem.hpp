@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "Haptos_StepSolver.hpp"
+#include "Haptos_ContactSystem.hpp"
 #include "Haptos_DistributedModel.hpp"
 
 namespace Haptos {
 
-/// \brief A model of elements as a StepSolver takes it.  `model` must outlive what is returned.  Collective.
+/// \brief A model of elements as a ContactSystem takes it.  `model` must outlive what is returned.  Collective.
 SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNodes);
 
 /// \brief Loads and right-hand sides of a model.  Collective.

@@ -101,7 +101,7 @@ Simulation::Simulation(RCP<const Communicator> comm, const Teuchos::ParameterLis
 
 Simulation::~Simulation() = default;
 
-const FetiSystem& Simulation::system() const { return system_->system(); }
+const FetiSystem& Simulation::system() const { return system_->solver().system(); }
 const DistributedModel& Simulation::model() const { return *model_; }
 
 void Simulation::tell(const std::string& text) const {
@@ -123,11 +123,11 @@ void Simulation::prepare() {
   {
     const auto scope = clock_.time(Phase::Assemble);
     mesh_ = scatterMesh(*comm_, model_->global.mesh);
-    system_ = std::make_unique<StepSolver>(systemModelOf(*model_, mesh_.nodes.size), systemOptions(options_),
+    system_ = std::make_unique<ContactSystem>(systemModelOf(*model_, mesh_.nodes.size), systemOptions(options_),
                                               StepSolver::Observer{&clock_, [this](const HistoryEntry& entry) { tell(entry); }});
-    system_->prepare();
+    system_->solver().prepare();
     steps_ = {firstStep(*model_, system())};
-    system_->check(steps_.front());
+    system_->solver().check(steps_.front());
     comm_->barrier();  // waiting for a slower rank belongs to the phase that made it slow
   }
   describeModel();
@@ -183,7 +183,7 @@ void Simulation::describeLocalSystems() {
 
 SimulationResult Simulation::solve() {
   StepResult step;
-  for (const StepData& data : steps_) step = system_->solve(data);
+  for (const StepData& data : steps_) step = system_->solver().solve(data);
   describeLocalSystems();
   report_.solver.status = step.solved ? "converged" : "not converged";
   report_.solver.reason = step.reason;
@@ -197,7 +197,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   SolverReport& s = report_.solver;
   s.method = step.method;
   s.outerIterations = step.outerIterations;
-  s.hessianMultiplications = system_->multiplications();
+  s.hessianMultiplications = system_->solver().multiplications();
   s.preconditionerApplications = feti.preconditioner().is_null() ? 0 : feti.preconditioner()->applications();
   s.coarseSolves = feti.dual().GGT->placement()->costs().solves;
   s.history = step.history;

@@ -4,13 +4,13 @@
 #include <memory>
 #include <vector>
 
+#include "Haptos_ContactSystem.hpp"
 #include "Haptos_DistributedModel.hpp"
 #include "Haptos_FieldOutput.hpp"
 #include "Haptos_MeshShare.hpp"
 #include "Haptos_Progress.hpp"
 #include "Haptos_RunOptions.hpp"
 #include "Haptos_RunReport.hpp"
-#include "Haptos_StepSolver.hpp"
 
 namespace Haptos {
 
@@ -71,7 +71,7 @@ class Simulation {
   RunClock clock_;
   std::unique_ptr<DistributedModel> model_;
   MeshShare mesh_;
-  std::unique_ptr<StepSolver> system_;
+  std::unique_ptr<ContactSystem> system_;
   std::vector<StepData> steps_;
   RunReport report_;
 };
