@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Teuchos_Comm.hpp>
+#include <cstdint>
 #include <cstring>
 #include <type_traits>
 #include <vector>
 
+#include "Haptos_EvenRanges.hpp"
 #include "Haptos_Exchange.hpp"
 
 namespace Haptos {
@@ -60,5 +62,79 @@ std::vector<std::vector<A>> sendAnswers(const Communicator& comm, const std::vec
   }
   return received;
 }
+
+/// \brief `exchangeAll` of plain values: outgoing[r] goes to rank r, what rank s sent stands at s.  Collective.
+template <class T>
+std::vector<std::vector<T>> exchangeValues(const Communicator& comm, const std::vector<std::vector<T>>& outgoing) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  std::vector<Bytes> messages(outgoing.size());
+  for (std::size_t r = 0; r < outgoing.size(); ++r) {
+    messages[r].resize(outgoing[r].size() * sizeof(T));
+    if (!messages[r].empty()) std::memcpy(messages[r].data(), outgoing[r].data(), messages[r].size());
+  }
+  messages = exchangeAll(comm, messages);
+  std::vector<std::vector<T>> incoming(messages.size());
+  for (std::size_t r = 0; r < messages.size(); ++r) {
+    incoming[r].resize(messages[r].size() / sizeof(T));
+    if (!messages[r].empty()) std::memcpy(incoming[r].data(), messages[r].data(), messages[r].size());
+    messages[r] = {};
+  }
+  return incoming;
+}
+
+/// \brief Lists, one after the other.
+template <class T>
+std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
+  std::vector<T> all;
+  for (const auto& list : lists) all.insert(all.end(), list.begin(), list.end());
+  return all;
+}
+
+/// \brief Plain values of every rank, by rank, on all of them.  Collective.
+template <class T>
+std::vector<T> gatheredOnAll(const Communicator& comm, const std::vector<T>& mine) {
+  static_assert(std::is_trivially_copyable_v<T>);
+  Bytes message(mine.size() * sizeof(T));
+  if (!message.empty()) std::memcpy(message.data(), mine.data(), message.size());
+  std::vector<T> all;
+  for (const Bytes& part : gatherOnAll(comm, message)) {
+    const std::size_t before = all.size();
+    all.resize(before + part.size() / sizeof(T));
+    if (!part.empty()) std::memcpy(all.data() + before, part.data(), part.size());
+  }
+  return all;
+}
+
+/// \brief Asks the ranks that hold ranges of an index for values at some of its places, as often as one likes.
+class RemoteValues {
+ public:
+  /// \brief Collective.
+  /// \param ranges who holds which indices
+  /// \param wanted ascending, each once; what this rank wants to know
+  RemoteValues(const Communicator& comm, const EvenRanges& ranges, const std::vector<std::int64_t>& wanted) : comm_(comm) {
+    std::vector<std::vector<std::int64_t>> places(std::size_t(comm.getSize()));
+    for (auto index : wanted) {
+      const int owner = ranges.owner(index);
+      places[std::size_t(owner)].push_back(index - ranges.begin(owner));
+    }
+    asked_ = exchangeValues(comm, places);
+  }
+
+  /// \brief Places in this rank's range that rank r asked for, ascending: [ranks].
+  const std::vector<std::vector<std::int64_t>>& asked() const { return asked_; }
+
+  /// \brief [wanted] what the holders' `valueAt(place in their range)` gives, a plain value.  Collective.
+  template <class ValueAt>
+  auto fetch(ValueAt&& valueAt) const {
+    std::vector<std::vector<std::decay_t<decltype(valueAt(std::int64_t(0)))>>> replies(asked_.size());
+    for (std::size_t r = 0; r < asked_.size(); ++r)
+      for (auto place : asked_[r]) replies[r].push_back(valueAt(place));
+    return joined(exchangeValues(comm_, replies));
+  }
+
+ private:
+  const Communicator& comm_;
+  std::vector<std::vector<std::int64_t>> asked_;
+};
 
 }  // namespace Haptos

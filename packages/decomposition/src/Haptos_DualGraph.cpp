@@ -1,28 +1,45 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_DualGraph.hpp"
 
+#include <Teuchos_Comm.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
-#include <set>
-#include <tuple>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
 
+using Index = std::int64_t;
+using Point = std::array<double, 3>;
+
 struct Face {
-  std::array<std::int64_t, 4> nodes;  // sorted; -1 first on triangles
-  std::int64_t element;
+  std::array<int, 4> nodes;  // sorted; -1 first on triangles
+  int element;
   double area;
 };
 
+// A side that other ranks may have, too.
+struct SentFace {
+  std::array<Index, 4> nodes;  // of the whole mesh, sorted; the last of a triangle is above all others
+  Index element, number;
+  double area;
+  Point centroid;
+};
+
+struct Edge {
+  Index element, neighbour;
+  double coupling;
+};
+
 // Area of a plane triangle or quadrilateral; of a warped one, that of its projection along its mean normal.
-double sideArea(const Mesh& mesh, const std::int64_t* element, const std::array<int, 4>& side, int nodes) {
+double sideArea(const Mesh& mesh, const Index* element, const std::array<int, 4>& side, int nodes) {
   const auto diagonal = [&](int from, int to) {
-    const auto &a = mesh.coordinates[element[side[from]]], &b = mesh.coordinates[element[side[to]]];
-    return std::array<double, 3>{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
+    const auto &a = mesh.coordinates[std::size_t(element[side[from]])], &b = mesh.coordinates[std::size_t(element[side[to]])];
+    return Point{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   };
   const auto p = diagonal(0, 2), q = nodes == 3 ? diagonal(0, 1) : diagonal(1, 3);
   return 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
@@ -30,15 +47,16 @@ double sideArea(const Mesh& mesh, const std::int64_t* element, const std::array<
 
 std::vector<Face> sortedFaces(const Mesh& mesh) {
   std::vector<Face> faces;
-  std::int64_t element = 0;
+  int element = 0;
   for (const auto& block : mesh.blocks) {
     const int perElement = nodesPerElement(block.topology), sides = sidesPerElement(block.topology);
     const int perSide = nodesPerSide(block.topology);
     for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
       for (int side = 0; side < sides; ++side) {
+        const Index* nodes = &block.connectivity[e * std::size_t(perElement)];
         const auto& local = sideNodes(block.topology, side);
-        Face face{{-1, -1, -1, -1}, element, sideArea(mesh, &block.connectivity[e * perElement], local, perSide)};
-        for (int i = 0; i < perSide; ++i) face.nodes[i] = block.connectivity[e * perElement + local[i]];
+        Face face{{-1, -1, -1, -1}, element, sideArea(mesh, nodes, local, perSide)};
+        for (int i = 0; i < perSide; ++i) face.nodes[i] = int(nodes[local[i]]);
         std::sort(face.nodes.begin(), face.nodes.end());
         faces.push_back(face);
       }
@@ -49,31 +67,98 @@ std::vector<Face> sortedFaces(const Mesh& mesh) {
   return faces;
 }
 
-int findRoot(std::vector<int>& parent, int i) {
-  while (parent[i] != i) i = parent[i] = parent[parent[i]];
-  return i;
+// 0: an element turned inside out.
+double couplingOf(double area, const Point& a, const Point& b) {
+  const double distance = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
+  return distance > 0 ? area / distance : 0.0;
 }
 
-// Numbers the trees of a union-find forest by their first member.
-std::vector<int> numberRoots(std::vector<int>& parent, std::size_t members, int& count) {
-  std::vector<int> number(parent.size(), -1), result(members);
-  count = 0;
-  for (std::size_t i = 0; i < members; ++i) {
-    int& n = number[findRoot(parent, int(i))];
-    if (n < 0) n = count++;
-    result[i] = n;
+SentFace sentFace(const OwnElements& own, const Face& face, const Point& centroid) {
+  const auto e = std::size_t(face.element);
+  SentFace sent{{}, own.part.elements[e], own.part.mesh.elementNumbers[e], face.area, centroid};
+  std::transform(face.nodes.begin(), face.nodes.end(), sent.nodes.begin(),
+                 [&](int node) { return node < 0 ? std::numeric_limits<Index>::max() : own.part.nodes[std::size_t(node)]; });
+  std::sort(sent.nodes.begin(), sent.nodes.end());
+  return sent;
+}
+
+// Joins the elements of this rank, and says which sides others may have or too many here do.
+std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<std::vector<SentFace>>& toRank) {
+  const auto faces = sortedFaces(own.part.mesh);
+  const auto centroids = elementCentroids(own.part.mesh);
+  const auto isShared = [&](int node) { return node < 0 || own.isShared[std::size_t(node)]; };
+  std::vector<Edge> edges;
+  for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
+    while (j < faces.size() && faces[j].nodes == faces[i].nodes) ++j;
+    if (j - i == 2) {
+      const int a = faces[i].element, b = faces[i + 1].element;
+      const double coupling = couplingOf(faces[i].area, centroids[std::size_t(a)], centroids[std::size_t(b)]);
+      edges.push_back({own.part.elements[std::size_t(a)], own.part.elements[std::size_t(b)], coupling});
+    }
+    if (j - i <= 2 && !std::all_of(faces[i].nodes.begin(), faces[i].nodes.end(), isShared)) continue;
+    for (std::size_t k = i; k < j; ++k) {
+      const SentFace sent = sentFace(own, faces[k], centroids[std::size_t(faces[k].element)]);
+      toRank[std::size_t(own.nodes.owner(sent.nodes[0]))].push_back(sent);
+    }
   }
-  return result;
+  return edges;
+}
+
+// Joins elements of different ranks: each end is told its edge.
+void matchSentFaces(const OwnElements& own, std::vector<SentFace> faces, std::vector<std::vector<Edge>>& toRank) {
+  std::sort(faces.begin(), faces.end(), [](const SentFace& a, const SentFace& b) {
+    return a.nodes != b.nodes ? a.nodes < b.nodes : a.element < b.element;
+  });
+  for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
+    while (j < faces.size() && faces[j].nodes == faces[i].nodes) ++j;
+    if (j - i > 2)
+      throw InputError("Mesh: elements " + std::to_string(faces[i].number) + ", " + std::to_string(faces[i + 1].number) + " and " +
+                       std::to_string(faces[i + 2].number) + " share one side; at most two elements may. Is the mesh doubled?");
+    if (j - i < 2) continue;
+    const Index a = faces[i].element, b = faces[i + 1].element;
+    const int rankOfA = own.elements.owner(a), rankOfB = own.elements.owner(b);
+    if (rankOfA == rankOfB) continue;  // joined there
+    const Edge edge{a, b, couplingOf(faces[i].area, faces[i].centroid, faces[i + 1].centroid)};
+    toRank[std::size_t(rankOfA)].push_back(edge);
+    toRank[std::size_t(rankOfB)].push_back(edge);
+  }
+}
+
+DualGraph graphOf(const OwnElements& own, const std::vector<Edge>& edges) {
+  const Index first = own.firstElement(), count = Index(own.part.elements.size());
+  const auto forEachRow = [&](auto&& add) {
+    for (const Edge& edge : edges) {
+      if (const Index row = edge.element - first; row >= 0 && row < count) add(std::size_t(row), edge.neighbour, edge.coupling);
+      if (const Index row = edge.neighbour - first; row >= 0 && row < count) add(std::size_t(row), edge.element, edge.coupling);
+    }
+  };
+  DualGraph graph;
+  graph.offsets.assign(std::size_t(count) + 1, 0);
+  forEachRow([&](std::size_t row, Index, double) { ++graph.offsets[row + 1]; });
+  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
+  graph.neighbours.resize(std::size_t(graph.offsets.back()));
+  graph.couplings.resize(graph.neighbours.size());
+  std::vector<Index> end(graph.offsets.begin(), graph.offsets.end() - 1);
+  forEachRow([&](std::size_t row, Index neighbour, double coupling) {  // inserted where it belongs: rows are short
+    Index k = end[row]++;
+    for (; k > graph.offsets[row] && graph.neighbours[std::size_t(k - 1)] > neighbour; --k) {
+      graph.neighbours[std::size_t(k)] = graph.neighbours[std::size_t(k - 1)];
+      graph.couplings[std::size_t(k)] = graph.couplings[std::size_t(k - 1)];
+    }
+    graph.neighbours[std::size_t(k)] = neighbour;
+    graph.couplings[std::size_t(k)] = coupling;
+  });
+  return graph;
 }
 
 }  // namespace
 
-std::vector<std::array<double, 3>> elementCentroids(const Mesh& mesh) {
-  std::vector<std::array<double, 3>> centroids;
+std::vector<Point> elementCentroids(const Mesh& mesh) {
+  std::vector<Point> centroids;
   for (const auto& block : mesh.blocks) {
     const int n = nodesPerElement(block.topology);
     for (std::size_t e = 0; e < block.numElements(); ++e) {
-      std::array<double, 3> x{0, 0, 0};
+      Point x{0, 0, 0};
       for (int i = 0; i < n; ++i)
         for (int d = 0; d < 3; ++d) x[d] += mesh.coordinates[block.connectivity[e * n + i]][d] / n;
       centroids.push_back(x);
@@ -82,80 +167,15 @@ std::vector<std::array<double, 3>> elementCentroids(const Mesh& mesh) {
   return centroids;
 }
 
-DualGraph buildDualGraph(const Mesh& mesh) {
-  const auto faces = sortedFaces(mesh);
-  const auto centroids = elementCentroids(mesh);
-  std::vector<std::tuple<std::int64_t, std::int64_t, double>> edges;
-  for (std::size_t i = 0; i + 1 < faces.size(); ++i) {
-    if (faces[i].nodes != faces[i + 1].nodes) continue;
-    if (i + 2 < faces.size() && faces[i].nodes == faces[i + 2].nodes)
-      throw InputError("Mesh: elements " + std::to_string(mesh.elementNumbers[faces[i].element]) + ", " +
-                       std::to_string(mesh.elementNumbers[faces[i + 1].element]) + " and " +
-                       std::to_string(mesh.elementNumbers[faces[i + 2].element]) +
-                       " share one side; at most two elements may. Is the mesh doubled?");
-    const auto &a = centroids[faces[i].element], &b = centroids[faces[i + 1].element];
-    const double distance = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]);
-    const double coupling = distance > 0 ? faces[i].area / distance : 0.0;  // 0: an element turned inside out
-    edges.emplace_back(faces[i].element, faces[i + 1].element, coupling);
-    edges.emplace_back(faces[i + 1].element, faces[i].element, coupling);
-  }
-  std::sort(edges.begin(), edges.end());
-  DualGraph graph;
-  graph.offsets.assign(mesh.numElements() + 1, 0);
-  for (const auto& [element, neighbour, coupling] : edges) {
-    ++graph.offsets[element + 1];
-    graph.neighbours.push_back(neighbour);
-    graph.couplings.push_back(coupling);
-  }
-  std::partial_sum(graph.offsets.begin(), graph.offsets.end(), graph.offsets.begin());
-  return graph;
-}
-
-std::vector<int> connectedComponents(const DualGraph& graph, const std::vector<int>& colour, int& count) {
-  const std::size_t n = graph.offsets.size() - 1;
-  std::vector<int> parent(n);
-  std::iota(parent.begin(), parent.end(), 0);
-  for (std::size_t e = 0; e < n; ++e)
-    for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
-      const auto other = graph.neighbours[k];
-      if (colour.empty() || colour[e] == colour[other]) parent[findRoot(parent, int(e))] = findRoot(parent, int(other));
-    }
-  return numberRoots(parent, n, count);
-}
-
-Bodies findBodies(const Mesh& mesh) {
-  const std::size_t numElements = mesh.numElements();
-  std::vector<int> parent(numElements + mesh.numNodes());  // elements, then nodes
-  std::iota(parent.begin(), parent.end(), 0);
-  std::size_t element = 0;
-  for (const auto& block : mesh.blocks) {
-    const int perElement = nodesPerElement(block.topology);
-    for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
-      for (int i = 0; i < perElement; ++i) {
-        const int node = int(numElements + block.connectivity[e * perElement + i]);
-        parent[findRoot(parent, int(element))] = findRoot(parent, node);
-      }
-  }
-  Bodies bodies;
-  bodies.ofElement = numberRoots(parent, numElements, bodies.count);
-
-  std::vector<std::set<int>> blocksOfBody(bodies.count);
-  element = 0;
-  for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
-    for (std::size_t e = 0; e < mesh.blocks[b].numElements(); ++e) blocksOfBody[bodies.ofElement[element++]].insert(int(b));
-  std::vector<int> bodiesOfBlock(mesh.blocks.size(), 0), seen(mesh.blocks.size(), 0);
-  for (const auto& blocks : blocksOfBody)
-    for (int b : blocks) ++bodiesOfBlock[b];
-  for (const auto& blocks : blocksOfBody) {
-    std::string name;
-    for (int b : blocks) {
-      const auto& block = mesh.blocks[b];
-      name += (name.empty() ? "" : "+") + (block.name.empty() ? std::to_string(block.id) : block.name);
-      if (bodiesOfBlock[b] > 1) name += "#" + std::to_string(++seen[b]);  // several pieces in one block
-    }
-    bodies.names.push_back(name);
-  }
-  return bodies;
+DualGraph buildDualGraph(const Communicator& comm, const OwnElements& own) {
+  std::vector<std::vector<SentFace>> faces(static_cast<std::size_t>(comm.getSize()));
+  auto edges = matchOwnFaces(own, faces);
+  auto met = joined(exchangeValues(comm, faces));
+  faces.clear();
+  std::vector<std::vector<Edge>> found(static_cast<std::size_t>(comm.getSize()));
+  runOnAllRanks(comm, [&] { matchSentFaces(own, std::move(met), found); });
+  for (const Edge& edge : joined(exchangeValues(comm, found))) edges.push_back(edge);
+  return graphOf(own, edges);
 }
 
 }  // namespace Haptos

@@ -3,20 +3,23 @@
 
 #include <metis.h>
 
-#include <Teuchos_Comm.hpp>
+#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
+#include "Haptos_Fragments.hpp"
 #include "Haptos_RoundParts.hpp"
 
 namespace Haptos {
 namespace {
+
+using Index = std::int64_t;
 
 // METIS takes whole numbers, whose sum must stay within an idx_t.  The least coupling counts 1, so that a regular mesh
 // of cubes has no weights at all.
@@ -77,88 +80,142 @@ void fillEmptyParts(const DualGraph& graph, int parts, std::vector<int>& part) {
   }
 }
 
-void pack(ByteWriter& writer, const PieceToCut& piece) {
-  writer.write(piece.graph.offsets);
-  writer.write(piece.graph.neighbours);
-  writer.write(piece.graph.couplings);
-  writer.write(piece.centroids);
-  writer.write(piece.parts);
-  writer.write(piece.seed);
-}
-
-PieceToCut unpackPiece(ByteReader& reader) {
-  PieceToCut piece;
-  piece.graph.offsets = reader.readVector<std::int64_t>();
-  piece.graph.neighbours = reader.readVector<std::int64_t>();
-  piece.graph.couplings = reader.readVector<double>();
-  piece.centroids = reader.readVector<std::array<double, 3>>();
-  piece.parts = reader.read<int>();
-  piece.seed = reader.read<int>();
-  return piece;
-}
-
-// The largest piece first, each to the rank with least to do.
-std::vector<std::vector<int>> shareOut(const std::vector<PieceToCut>& pieces, int ranks) {
-  std::vector<int> order(pieces.size());
+// The largest piece first, each to the rank with least to do.  -1: there is nothing to cut.
+std::vector<int> shareOut(const PiecesToCut& pieces, int ranks) {
+  std::vector<int> order(pieces.sizes.size()), rankOf(pieces.sizes.size(), -1);
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return pieces[a].centroids.size() > pieces[b].centroids.size(); });
-  std::vector<std::vector<int>> piecesOf(ranks);
-  std::vector<std::size_t> load(ranks, 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return pieces.sizes[a] > pieces.sizes[b]; });
+  std::vector<Index> load(static_cast<std::size_t>(ranks), 0);
   for (int p : order) {
+    if (pieces.parts[p] == 1) continue;
     const auto rank = std::min_element(load.begin(), load.end()) - load.begin();
-    load[rank] += pieces[p].centroids.size();
-    piecesOf[rank].push_back(p);
+    load[std::size_t(rank)] += pieces.sizes[p];
+    rankOf[p] = int(rank);
   }
-  return piecesOf;
+  return rankOf;
 }
 
-// The pieces of a message, cut; first the reason where that failed.
-Bytes cutPieces(const Bytes& message) {
-  std::string failure;
-  std::vector<std::vector<int>> cuts;
-  try {
-    for (ByteReader reader(message); !reader.atEnd();) cuts.push_back(cutPiece(unpackPiece(reader)));
-  } catch (const std::exception& e) {
-    failure = e.what();
+struct SentElement {
+  Index element;
+  std::array<double, 3> centroid;
+  int piece, neighbours;
+};
+
+/// Rows of the graph on their way to the rank that cuts their piece.
+struct SentRows {
+  std::vector<std::vector<SentElement>> elements;
+  std::vector<std::vector<Index>> neighbours;
+  std::vector<std::vector<double>> couplings;
+  explicit SentRows(int ranks) : elements(std::size_t(ranks)), neighbours(std::size_t(ranks)), couplings(std::size_t(ranks)) {}
+};
+
+SentRows rowsByRank(const OwnElements& own, const DualGraph& graph, const std::vector<int>& pieceOf, const std::vector<int>& rankOf,
+                    int ranks) {
+  const auto centroids = elementCentroids(own.part.mesh);
+  SentRows rows(ranks);
+  for (std::size_t e = 0; e < pieceOf.size(); ++e) {
+    if (rankOf[pieceOf[e]] < 0) continue;
+    const auto r = std::size_t(rankOf[pieceOf[e]]), begin = std::size_t(graph.offsets[e]), end = std::size_t(graph.offsets[e + 1]);
+    rows.elements[r].push_back({own.part.elements[e], centroids[e], pieceOf[e], int(end - begin)});
+    rows.neighbours[r].insert(rows.neighbours[r].end(), &graph.neighbours[begin], &graph.neighbours[begin] + (end - begin));
+    rows.couplings[r].insert(rows.couplings[r].end(), &graph.couplings[begin], &graph.couplings[begin] + (end - begin));
   }
-  ByteWriter reply;
-  reply.write(failure);
-  for (const auto& cut : cuts) reply.write(cut);
-  return reply.take();
+  return rows;
+}
+
+/// A piece as its rows come in, in the order of the elements.
+struct GatheredPiece {
+  std::vector<Index> elements, ends, neighbours;  // ends of rows
+  std::vector<double> couplings;
+  PieceToCut piece;
+};
+
+std::map<int, GatheredPiece> gatherPieces(const Communicator& comm, SentRows rows, const PiecesToCut& pieces,
+                                          std::vector<std::vector<SentElement>>& received) {
+  received = exchangeValues(comm, rows.elements);
+  const auto neighbours = joined(exchangeValues(comm, rows.neighbours));
+  const auto couplings = joined(exchangeValues(comm, rows.couplings));
+  std::map<int, GatheredPiece> result;
+  std::size_t at = 0;
+  for (const auto& fromRank : received)
+    for (const SentElement& sent : fromRank) {
+      GatheredPiece& to = result[sent.piece];
+      to.elements.push_back(sent.element);
+      to.piece.centroids.push_back(sent.centroid);
+      to.neighbours.insert(to.neighbours.end(), &neighbours[at], &neighbours[at] + sent.neighbours);
+      to.couplings.insert(to.couplings.end(), &couplings[at], &couplings[at] + sent.neighbours);
+      to.ends.push_back(Index(to.neighbours.size()));
+      at += std::size_t(sent.neighbours);
+    }
+  for (auto& [p, gathered] : result) {
+    gathered.piece.parts = pieces.parts[std::size_t(p)];
+    gathered.piece.seed = pieces.seed;
+  }
+  return result;
+}
+
+// Neighbours outside the piece are none of its business.
+void localise(GatheredPiece& gathered) {
+  DualGraph& graph = gathered.piece.graph;
+  const auto& elements = gathered.elements;
+  const bool isRange = elements.back() - elements.front() + 1 == Index(elements.size());
+  graph.offsets.push_back(0);
+  Index k = 0;
+  for (Index end : gathered.ends) {
+    for (; k < end; ++k) {
+      const Index neighbour = gathered.neighbours[std::size_t(k)];
+      if (neighbour < elements.front() || neighbour > elements.back()) continue;
+      const Index place = isRange ? neighbour - elements.front()
+                                  : std::lower_bound(elements.begin(), elements.end(), neighbour) - elements.begin();
+      if (elements[std::size_t(place)] != neighbour) continue;
+      graph.neighbours.push_back(place);
+      graph.couplings.push_back(gathered.couplings[std::size_t(k)]);
+    }
+    graph.offsets.push_back(Index(graph.neighbours.size()));
+  }
+  gathered.ends = {}, gathered.neighbours = {}, gathered.couplings = {};
 }
 
 }  // namespace
 
-std::vector<int> cutPiece(const PieceToCut& piece) {
-  auto part = runMetis(piece);
-  fillEmptyParts(piece.graph, piece.parts, part);
-  roundParts(piece.graph, piece.centroids, std::vector<double>(piece.parts, double(part.size()) / piece.parts), part);
-  return part;
+PartsOfPiece cutPiece(const PieceToCut& piece) {
+  PartsOfPiece result;
+  result.part = runMetis(piece);
+  fillEmptyParts(piece.graph, piece.parts, result.part);
+  roundParts(piece.graph, piece.centroids, std::vector<double>(piece.parts, double(result.part.size()) / piece.parts), result.part);
+  result.mended = mendParts(piece.graph, result.part);
+  return result;
 }
 
-std::vector<std::vector<int>> cutOnRanks(const Communicator& comm, const std::vector<PieceToCut>& pieces) {
-  if (comm.getSize() == 1) {
-    std::vector<std::vector<int>> parts;
-    runOnRoot(comm, [&] { std::transform(pieces.begin(), pieces.end(), std::back_inserter(parts), cutPiece); });
-    return parts;
-  }
-  const auto piecesOf = shareOut(pieces, comm.getSize());
-  std::vector<Bytes> messages;
-  for (const auto& shared : piecesOf) {
-    ByteWriter writer;
-    for (int p : shared) pack(writer, pieces[p]);
-    messages.push_back(writer.take());
-  }
-  const auto replies = gatherOnRoot(comm, cutPieces(scatterFromRoot(comm, messages)));
-  std::vector<std::vector<int>> result(pieces.size());
-  runOnRoot(comm, [&] {
-    for (std::size_t r = 0; r < replies.size(); ++r) {
-      ByteReader reader(replies[r]);
-      const std::string failure = reader.readString();
-      TEUCHOS_TEST_FOR_EXCEPTION(!failure.empty(), std::runtime_error, failure);
-      for (int p : piecesOf[r]) result[p] = reader.readVector<int>();
+PartsOfPiece cutOnRanks(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const PiecesToCut& pieces,
+                        std::int64_t& elementsCut) {
+  const auto rankOf = shareOut(pieces, comm.getSize());
+  std::vector<std::vector<SentElement>> received;
+  auto gathered = gatherPieces(comm, rowsByRank(own, graph, pieces.ofElement, rankOf, comm.getSize()), pieces, received);
+  std::map<int, std::vector<int>> partsOf;
+  int mended = 0;
+  runOnAllRanks(comm, [&] {
+    for (auto& [p, one] : gathered) {
+      localise(one);
+      elementsCut += Index(one.elements.size());
+      auto cut = cutPiece(one.piece);
+      one = {};
+      mended += cut.mended;
+      partsOf[p] = std::move(cut.part);
     }
   });
+  std::map<int, std::size_t> next;  // piece -> its next element: they come back as they came
+  std::vector<std::vector<int>> replies(received.size());
+  for (std::size_t r = 0; r < received.size(); ++r)
+    for (const SentElement& sent : received[r]) replies[r].push_back(partsOf[sent.piece][next[sent.piece]++]);
+  replies = exchangeValues(comm, replies);
+  PartsOfPiece result;
+  std::vector<std::size_t> taken(replies.size(), 0);
+  for (int p : pieces.ofElement) {
+    const int r = rankOf[p];
+    result.part.push_back(r < 0 ? 0 : replies[std::size_t(r)][taken[std::size_t(r)]++]);
+  }
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mended, Teuchos::outArg(result.mended));
   return result;
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "Haptos_Communication.hpp"
@@ -16,14 +17,29 @@ struct PieceToCut {
   int seed = 1;                                  ///< METIS'
 };
 
-/// \brief METIS' k-way parts, made round (`roundParts`).  Serial; the same on any rank.
-/// \return [elements of the piece] 0 .. parts - 1, none of them empty; a part may have lost small fragments.
-std::vector<int> cutPiece(const PieceToCut& piece);
+struct PartsOfPiece {
+  std::vector<int> part;  ///< [elements of the piece] 0 .. parts - 1, none of them empty
+  int mended = 0;         ///< fragments that were left disconnected and went to a neighbour
+};
 
-/// \brief `cutPiece` of every piece, each on one rank, shared out by elements.  Collective.
-/// \param pieces on rank 0 only
-/// \return on rank 0 [pieces], elsewhere empty.
+/// \brief METIS' k-way parts, made round (`roundParts`) and connected (`mendParts`).  Serial; the same on any rank.
+PartsOfPiece cutPiece(const PieceToCut& piece);
+
+/// \brief The pieces of all ranks; all but `ofElement` is the same on all.
+struct PiecesToCut {
+  std::vector<int> ofElement;        ///< [this rank's elements] piece
+  std::vector<std::int64_t> sizes;   ///< [pieces] elements
+  std::vector<int> parts;            ///< [pieces] one of a single part is not cut
+  int seed = 1;
+};
+
+/// \brief `cutPiece` of every piece, each on one rank, the largest first, to the rank with least to do.  Collective.
+///
+/// A rank holds the pieces that it cuts, element by element with their neighbours, and its own range.
+/// \param elementsCut grows by the elements that this rank cut
+/// \return of this rank's elements; the fragments mended on all ranks
 /// \throws CollectiveError on all ranks if one of them fails.
-std::vector<std::vector<int>> cutOnRanks(const Communicator& comm, const std::vector<PieceToCut>& pieces);
+PartsOfPiece cutOnRanks(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const PiecesToCut& pieces,
+                        std::int64_t& elementsCut);
 
 }  // namespace Haptos

@@ -1,7 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Subdomain.hpp"
 
+#include <Teuchos_Comm.hpp>
 #include <algorithm>
+#include <map>
+
+#include "Haptos_PartialMesh.hpp"
+#include "Haptos_Partition.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -80,42 +86,47 @@ std::vector<std::int64_t> nodesOf(const std::vector<Subdomain>& subdomains) {
   return nodes;
 }
 
-void pack(ByteWriter& writer, const Subdomain& sub) {
-  writer.write(sub.id);
-  writer.write(sub.body);
-  writer.write(sub.nodes);
-  writer.write(sub.coordinates);
-  writer.write(sub.groups.size());
-  for (const auto& group : sub.groups) {
-    writer.write(group.topology);
-    writer.write(group.connectivity);
-    writer.write(group.material);
-    writer.write(group.elementNumbers);
-    writer.write(group.blockName);
+std::vector<Subdomain> dealSubdomains(const Communicator& comm, const OwnElements& own, const Partition& partition,
+                                      const std::vector<int>& rankOf, const std::vector<int>& materialOfBlock) {
+  std::vector<int> target;
+  for (int s : partition.ofElement) target.push_back(rankOf[std::size_t(s)]);
+  SentElements sent = sendElements(comm, own.part, target, partition.ofElement);
+  const auto [begin, end] = std::equal_range(rankOf.begin(), rankOf.end(), comm.getRank());
+  const int first = int(begin - rankOf.begin());
+  Partition mine;
+  mine.count = int(end - begin);
+  mine.bodyOfSubdomain.assign(partition.bodyOfSubdomain.begin() + first, partition.bodyOfSubdomain.begin() + first + mine.count);
+  for (int tag : sent.tags) mine.ofElement.push_back(tag - first);
+  auto subdomains = extractSubdomains(sent.part.mesh, mine, materialOfBlock);
+  for (auto& sub : subdomains) {
+    sub.id += first;
+    for (auto& node : sub.nodes) node = sent.part.nodes[std::size_t(node)];
+    for (auto& element : sub.elements) element = sent.part.elements[std::size_t(element)];
   }
-  writer.write(sub.blockOfGroup);
-  writer.write(sub.elements);
-  writer.write(sub.sides);
+  return subdomains;
 }
 
-Subdomain unpackSubdomain(ByteReader& reader) {
-  Subdomain sub;
-  sub.id = reader.read<int>();
-  sub.body = reader.read<int>();
-  sub.nodes = reader.readVector<std::int64_t>();
-  sub.coordinates = reader.readVector<std::array<double, 3>>();
-  sub.groups.resize(reader.read<std::size_t>());
-  for (auto& group : sub.groups) {
-    group.topology = reader.read<Topology>();
-    group.connectivity = reader.readVector<int>();
-    group.material = reader.read<int>();
-    group.elementNumbers = reader.readVector<std::int64_t>();
-    group.blockName = reader.readString();
+std::vector<std::vector<int>> countCopies(const Communicator& comm, const EvenRanges& nodes, const std::vector<Subdomain>& subdomains) {
+  std::map<std::int64_t, int> mine;
+  for (const auto& sub : subdomains)
+    for (auto node : sub.nodes) ++mine[node];
+  std::vector<std::int64_t> wanted;
+  for (const auto& [node, count] : mine) wanted.push_back(node);
+  const RemoteValues remote(comm, nodes, wanted);
+  std::vector<std::vector<int>> toOwner(remote.asked().size());
+  for (const auto& [node, count] : mine) toOwner[std::size_t(nodes.owner(node))].push_back(count);
+  const auto received = exchangeValues(comm, toOwner);
+  std::vector<int> sums(std::size_t(nodes.count(comm.getRank())), 0);
+  for (std::size_t r = 0; r < received.size(); ++r)
+    for (std::size_t i = 0; i < received[r].size(); ++i) sums[std::size_t(remote.asked()[r][i])] += received[r][i];
+  const auto all = remote.fetch([&](std::int64_t place) { return sums[std::size_t(place)]; });
+  std::vector<std::vector<int>> result;
+  for (const auto& sub : subdomains) {
+    result.emplace_back();
+    for (auto node : sub.nodes)
+      result.back().push_back(all[std::size_t(std::lower_bound(wanted.begin(), wanted.end(), node) - wanted.begin())]);
   }
-  sub.blockOfGroup = reader.readVector<int>();
-  sub.elements = reader.readVector<std::int64_t>();
-  sub.sides = reader.readVector<SubdomainSide>();
-  return sub;
+  return result;
 }
 
 }  // namespace Haptos

@@ -4,12 +4,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_ElementGroup.hpp"
 #include "Haptos_Mesh.hpp"
-#include "Haptos_Partition.hpp"
+#include "Haptos_Types_fwd.hpp"
+#include "Haptos_EvenRanges.hpp"
 
 namespace Haptos {
+
+struct OwnElements;
+struct Partition;
 
 /// \brief A side of one of the subdomain's elements that lies in a side set of the mesh.
 struct SubdomainSide {
@@ -37,10 +40,16 @@ struct Subdomain {
 /// \brief Nodes of subdomains, one after the other.
 std::vector<std::int64_t> nodesOf(const std::vector<Subdomain>& subdomains);
 
-/// \brief Cuts the mesh into subdomains; serial, on the reader.  A group's `material` is materialOfBlock[block].
+/// \brief Cuts a mesh that is here as a whole into subdomains; serial.  A group's `material` is materialOfBlock[block].
 std::vector<Subdomain> extractSubdomains(const Mesh& mesh, const Partition& partition, const std::vector<int>& materialOfBlock);
 
-void pack(ByteWriter& writer, const Subdomain& subdomain);
-Subdomain unpackSubdomain(ByteReader& reader);
+/// \brief Every rank gets the elements of its subdomains, and makes these.  Collective.
+/// \param rankOf [partition.count] ascending
+std::vector<Subdomain> dealSubdomains(const Communicator& comm, const OwnElements& own, const Partition& partition,
+                                      const std::vector<int>& rankOf, const std::vector<int>& materialOfBlock);
+
+/// \brief In how many subdomains of all ranks every node lies: [this rank's subdomains][nodes].  Collective.
+/// \param nodes of the whole mesh; ranks meet where a node's range lies
+std::vector<std::vector<int>> countCopies(const Communicator& comm, const EvenRanges& nodes, const std::vector<Subdomain>& subdomains);
 
 }  // namespace Haptos

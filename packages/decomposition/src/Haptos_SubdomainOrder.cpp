@@ -3,67 +3,149 @@
 
 #include <metis.h>
 
+#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_TestForException.hpp>
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
+
+#include "Haptos_Error.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
+
+using Index = std::int64_t;
 
 // What a contact pair is exchanged for a shared node: by F and M alike, and in every inner step on contact rows besides.
 constexpr idx_t kContactExchanges = 6;
 
 constexpr std::size_t kSmallest = 4;  // subdomains that a rank will hardly have to share with others
 
-// Subdomains at every node in CSR form, ascending.
-struct NodeSubdomains {
-  std::vector<std::size_t> offsets;
-  std::vector<int> subdomains;
-  const int* begin(std::int64_t node) const { return subdomains.data() + offsets[std::size_t(node)]; }
-  const int* end(std::int64_t node) const { return subdomains.data() + offsets[std::size_t(node) + 1]; }
+struct NodeSubdomain {
+  Index node;
+  int subdomain;
 };
 
-NodeSubdomains subdomainsOfNodes(const Mesh& mesh, const Partition& partition) {
-  std::vector<std::vector<std::int64_t>> nodesOf(std::size_t(partition.count));
-  std::size_t element = 0;
-  for (const auto& block : mesh.blocks) {
-    const auto n = nodesPerElement(block.topology);
-    for (auto nodes = block.connectivity.begin(); nodes != block.connectivity.end(); nodes += n, ++element) {
-      auto& mine = nodesOf[std::size_t(partition.ofElement[element])];
-      mine.insert(mine.end(), nodes, nodes + n);
+bool operator<(const NodeSubdomain& a, const NodeSubdomain& b) { return std::tie(a.node, a.subdomain) < std::tie(b.node, b.subdomain); }
+bool operator==(const NodeSubdomain& a, const NodeSubdomain& b) { return a.node == b.node && a.subdomain == b.subdomain; }
+
+struct Link {
+  int a, b, nodes;
+};
+
+void sortOnce(std::vector<NodeSubdomain>& list) {
+  std::sort(list.begin(), list.end());
+  list.erase(std::unique(list.begin(), list.end()), list.end());
+}
+
+// Subdomains of this rank's elements at its nodes (positions), subdomain after subdomain.
+std::vector<NodeSubdomain> subdomainsAtNodes(const Mesh& mesh, const Partition& partition) {
+  std::vector<const Index*> nodesOf;
+  std::vector<int> sizes, order(partition.ofElement.size());
+  for (const auto& block : mesh.blocks)
+    for (std::size_t at = 0; at < block.connectivity.size(); at += std::size_t(nodesPerElement(block.topology))) {
+      nodesOf.push_back(block.connectivity.data() + at);
+      sizes.push_back(nodesPerElement(block.topology));
+    }
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return partition.ofElement[a] < partition.ofElement[b]; });
+  std::vector<NodeSubdomain> result;
+  std::vector<int> last(mesh.numNodes(), -1);
+  for (int e : order)
+    for (int i = 0; i < sizes[e]; ++i)
+      if (int& seen = last[std::size_t(nodesOf[e][i])]; seen != partition.ofElement[e])
+        result.push_back({nodesOf[e][i], seen = partition.ofElement[e]});
+  std::stable_sort(result.begin(), result.end(), [](const NodeSubdomain& a, const NodeSubdomain& b) { return a.node < b.node; });
+  return result;
+}
+
+/// Which subdomains share nodes, counted node by node.
+class LinkCounter {
+ public:
+  explicit LinkCounter(int subdomains) : numNodes(std::size_t(subdomains), 0) {}
+
+  // Every node with all its subdomains.
+  void add(const std::vector<NodeSubdomain>& sorted) {
+    for (std::size_t i = 0, first = 0; i < sorted.size(); ++i) {
+      if (sorted[i].node != sorted[first].node) first = i;
+      ++numNodes[std::size_t(sorted[i].subdomain)];
+      for (std::size_t k = first; k < i; ++k) ++shared_[{sorted[k].subdomain, sorted[i].subdomain}];
     }
   }
-  NodeSubdomains result;
-  result.offsets.assign(mesh.numNodes() + 1, 0);
-  for (auto& nodes : nodesOf) {
-    std::sort(nodes.begin(), nodes.end());
-    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
-    for (auto node : nodes) ++result.offsets[std::size_t(node) + 1];
+  std::vector<Link> links() const {
+    std::vector<Link> result;
+    for (const auto& [ends, nodes] : shared_) result.push_back({ends.first, ends.second, nodes});
+    return result;
   }
-  std::partial_sum(result.offsets.begin(), result.offsets.end(), result.offsets.begin());
-  result.subdomains.resize(result.offsets.back());
-  std::vector<std::size_t> next(result.offsets.begin(), result.offsets.end() - 1);
-  for (int s = 0; s < partition.count; ++s)
-    for (auto node : nodesOf[std::size_t(s)]) result.subdomains[next[std::size_t(node)]++] = s;
+
+  std::vector<int> numNodes;  // [subdomains]
+
+ private:
+  std::map<std::pair<int, int>, int> shared_;
+};
+
+// Nodes that other ranks have elements at are counted by the rank in whose range they lie.
+LinkCounter countLinks(const Communicator& comm, const OwnElements& own, const std::vector<NodeSubdomain>& mine, int subdomains) {
+  LinkCounter counter(subdomains);
+  std::vector<NodeSubdomain> here;
+  std::vector<std::vector<NodeSubdomain>> toOwner(static_cast<std::size_t>(comm.getSize()));
+  for (const auto& one : mine) {
+    const Index node = own.part.nodes[std::size_t(one.node)];
+    if (own.isShared[std::size_t(one.node)]) toOwner[std::size_t(own.nodes.owner(node))].push_back({node, one.subdomain});
+    else here.push_back(one);
+  }
+  counter.add(here);
+  auto met = joined(exchangeValues(comm, toOwner));
+  sortOnce(met);
+  counter.add(met);
+  return counter;
+}
+
+std::set<Index> nodesOfPairs(const std::vector<ContactInterface>& interfaces) {
+  std::set<Index> nodes;
+  for (const auto& interface : interfaces)
+    for (const auto& pair : interface.pairs)
+      for (const auto* side : {&pair.secondary, &pair.primary})
+        for (const NodeWeight& i : *side) nodes.insert(i.node);
+  return nodes;
+}
+
+// Subdomains at the nodes of rank 0's pairs, on rank 0.  Collective.
+std::vector<NodeSubdomain> subdomainsAtPairs(const Communicator& comm, const OwnElements& own, const std::vector<NodeSubdomain>& mine,
+                                             const std::vector<ContactInterface>& interfaces) {
+  std::vector<Index> nodes;
+  if (comm.getRank() == 0) {
+    const auto all = nodesOfPairs(interfaces);
+    nodes.assign(all.begin(), all.end());
+  }
+  nodes = gatheredOnAll(comm, nodes);
+  std::vector<std::vector<NodeSubdomain>> toRoot(static_cast<std::size_t>(comm.getSize()));
+  for (const auto& one : mine)
+    if (const Index node = own.part.nodes[std::size_t(one.node)]; std::binary_search(nodes.begin(), nodes.end(), node))
+      toRoot[0].push_back({node, one.subdomain});
+  auto result = joined(exchangeValues(comm, toRoot));
+  sortOnce(result);
   return result;
 }
 
 class SubdomainGraph {
  public:
-  SubdomainGraph(const NodeSubdomains& of, const std::vector<ContactInterface>& interfaces, int count)
-      : work_(std::size_t(count)), contactNodes_(work_.size(), 0), couplings_(work_.size()), position_(work_.size(), -1) {
-    std::vector<int> numNodes(work_.size(), 0);
-    for (std::int64_t node = 0; node + 1 < std::int64_t(of.offsets.size()); ++node)
-      for (const int* a = of.begin(node); a != of.end(node); ++a) {
-        ++numNodes[std::size_t(*a)];
-        for (const int* b = of.begin(node); b != a; ++b) couple(*a, *b, 1);
-      }
+  SubdomainGraph(const std::vector<int>& numNodes, const std::vector<Link>& links)
+      : work_(numNodes.size()), contactNodes_(work_.size(), 0), couplings_(work_.size()), position_(work_.size(), -1) {
     setWork(numNodes);
+    for (const Link& link : links) couple(link.a, link.b, link.nodes);
+  }
+
+  /// \param at subdomains at the nodes of the pairs, sorted
+  void addPairs(const std::vector<ContactInterface>& interfaces, const std::vector<NodeSubdomain>& at) {
     for (const auto& interface : interfaces)
-      for (const auto& pair : interface.pairs) addPair(of, pair, interface.tied);
+      for (const auto& pair : interface.pairs) addPair(at, pair, interface.tied);
   }
 
   /// 0 or 1 for each of these subdomains: the two halves.
@@ -85,14 +167,19 @@ class SubdomainGraph {
     couplings_[std::size_t(b)][a] += weight;
   }
 
-  void addPair(const NodeSubdomains& of, const ContactPair& pair, bool tied) {
+  template <class Visit>
+  static void forEachAt(const std::vector<NodeSubdomain>& at, Index node, Visit&& visit) {
+    for (auto it = std::lower_bound(at.begin(), at.end(), NodeSubdomain{node, -1}); it != at.end() && it->node == node; ++it)
+      visit(it->subdomain);
+  }
+
+  void addPair(const std::vector<NodeSubdomain>& at, const ContactPair& pair, bool tied) {
     for (const auto* side : {&pair.secondary, &pair.primary})
       for (const NodeWeight& i : *side)
-        for (const int* a = of.begin(i.node); a != of.end(i.node) && !tied; ++a) ++contactNodes_[std::size_t(*a)];
+        if (!tied) forEachAt(at, i.node, [&](int s) { ++contactNodes_[std::size_t(s)]; });
     for (const NodeWeight& i : pair.secondary)
       for (const NodeWeight& j : pair.primary)
-        for (const int* a = of.begin(i.node); a != of.end(i.node); ++a)
-          for (const int* b = of.begin(j.node); b != of.end(j.node); ++b) couple(*a, *b, tied ? 1 : kContactExchanges);
+        forEachAt(at, i.node, [&](int a) { forEachAt(at, j.node, [&](int b) { couple(a, b, tied ? 1 : kContactExchanges); }); });
   }
 
   std::vector<idx_t> work_, contactNodes_;         // [subdomains]
@@ -147,17 +234,41 @@ void bisect(SubdomainGraph& graph, const std::vector<int>& subdomains, std::vect
 
 double workOfSubdomain(int numNodes) { return std::pow(double(numNodes), 4.0 / 3.0); }
 
-void orderSubdomains(const Mesh& mesh, const std::vector<ContactInterface>& interfaces, Partition& partition) {
-  SubdomainGraph graph(subdomainsOfNodes(mesh, partition), interfaces, partition.count);
-  std::vector<int> all(std::size_t(partition.count)), order, number(all.size());
-  std::iota(all.begin(), all.end(), 0);
-  bisect(graph, all, order);
+std::vector<int> countNodes(const Communicator& comm, const OwnElements& own, const Partition& partition) {
+  const auto counter = countLinks(comm, own, subdomainsAtNodes(own.part.mesh, partition), partition.count);
+  std::vector<int> all(counter.numNodes.size());
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(all.size()), counter.numNodes.data(), all.data());
+  return all;
+}
+
+std::vector<int> orderSubdomains(const Communicator& comm, const OwnElements& own, const std::vector<ContactInterface>& interfaces,
+                                 Partition& partition) {
+  const auto mine = subdomainsAtNodes(own.part.mesh, partition);
+  const auto counter = countLinks(comm, own, mine, partition.count);
+  const auto atPairs = subdomainsAtPairs(comm, own, mine, interfaces);
+  std::vector<int> numNodes(counter.numNodes.size());
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(numNodes.size()), counter.numNodes.data(), numNodes.data());
+  std::vector<std::vector<Link>> toRoot(static_cast<std::size_t>(comm.getSize()));
+  toRoot[0] = counter.links();
+  const auto links = joined(exchangeValues(comm, toRoot));
+  std::vector<int> order;
+  runOnRoot(comm, [&] {
+    SubdomainGraph graph(numNodes, links);
+    graph.addPairs(interfaces, atPairs);
+    std::vector<int> all(numNodes.size());
+    std::iota(all.begin(), all.end(), 0);
+    bisect(graph, all, order);
+  });
+  order = gatheredOnAll(comm, order);
+  std::vector<int> number(order.size()), ordered;
   const auto bodies = partition.bodyOfSubdomain;
   for (std::size_t i = 0; i < order.size(); ++i) {
     number[std::size_t(order[i])] = int(i);
     partition.bodyOfSubdomain[i] = bodies[std::size_t(order[i])];
+    ordered.push_back(numNodes[std::size_t(order[i])]);
   }
   for (int& s : partition.ofElement) s = number[std::size_t(s)];
+  return ordered;
 }
 
 }  // namespace Haptos

@@ -4,6 +4,7 @@
 #include <Eigen/Dense>
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Vector.hpp>
@@ -15,6 +16,7 @@
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_JumpOperator.hpp"
+#include "Haptos_Partition.hpp"
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_TpetraCompat.hpp"
 #include "SerialRows.hpp"
@@ -27,6 +29,8 @@ using Point = std::array<double, 3>;
 /// A mesh, its cut and all rows of B.
 struct Scene {
   Mesh mesh;
+  OwnElements own;
+  DualGraph graph;
   Bodies bodies;
   Partition partition;
   std::vector<Subdomain> subdomains;
@@ -111,14 +115,21 @@ inline void buildRows(Scene& scene) {
                                    std::vector<char>(scene.interfaces.size(), char(scene.frictional)), {7.0, 21.0});
 }
 
+inline void cutScene(Scene& scene, const PartitionOptions& cut) {
+  const Teuchos::SerialComm<int> alone;
+  scene.own = wholeMesh(scene.mesh);
+  scene.graph = buildDualGraph(alone, scene.own);
+  scene.bodies = findBodies(alone, scene.own, scene.graph);
+  scene.partition = partitionMesh(alone, scene.own, scene.graph, scene.bodies, cut);
+}
+
 inline Scene makeScene(const SceneOptions& o) {
   Scene scene;
   scene.mesh = sceneMesh(o);
-  scene.bodies = findBodies(scene.mesh);
   PartitionOptions cut;
   cut.method = o.bricks ? PartitionMethod::Block : PartitionMethod::Metis;
   cut.subdomains = o.bricks ? 0 : o.subdomains;
-  scene.partition = partitionMesh(scene.mesh, buildDualGraph(scene.mesh), scene.bodies, cut);
+  cutScene(scene, cut);
   std::vector<int> materialOfBlock;
   for (std::size_t b = 0; b < scene.mesh.blocks.size(); ++b) materialOfBlock.push_back(int(b));
   scene.subdomains = extractSubdomains(scene.mesh, scene.partition, materialOfBlock);

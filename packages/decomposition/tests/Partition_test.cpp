@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Partition.hpp"
 
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
 #include <cmath>
@@ -24,8 +25,14 @@ Mesh box(std::array<int, 3> divisions, Topology topology = Topology::Hex8) {
   return makeBoxes({spec});
 }
 
+const Teuchos::SerialComm<int> alone;
+
+DualGraph graphOf(const Mesh& mesh) { return buildDualGraph(alone, wholeMesh(mesh)); }
+
+Bodies bodiesOf(const Mesh& mesh) { return findBodies(alone, wholeMesh(mesh), graphOf(mesh)); }
+
 Partition cut(const Mesh& mesh, const PartitionOptions& options) {
-  return partitionMesh(mesh, buildDualGraph(mesh), findBodies(mesh), options);
+  return partitionMesh(alone, wholeMesh(mesh), graphOf(mesh), bodiesOf(mesh), options);
 }
 
 PartitionOptions metis(int subdomains, int seed = 1) {
@@ -91,9 +98,9 @@ void checkParts(const Mesh& mesh, const Partition& partition, Teuchos::FancyOStr
   TEST_EQUALITY(countPieces(mesh, partition.ofElement), partition.count);
   TEST_EQUALITY(int(partition.bodyOfSubdomain.size()), partition.count);
   TEST_ASSERT(std::is_sorted(partition.bodyOfSubdomain.begin(), partition.bodyOfSubdomain.end()));
-  const Bodies bodies = findBodies(mesh);
+  const Bodies bodies = bodiesOf(mesh);
   for (std::size_t e = 0; e < partition.ofElement.size(); ++e)
-    TEST_EQUALITY(bodies.ofElement[e], partition.bodyOfSubdomain[partition.ofElement[e]]);
+    TEST_EQUALITY(bodies.ofPiece[bodies.pieces.ofElement[e]], partition.bodyOfSubdomain[partition.ofElement[e]]);
 }
 
 // Two cubes that share the two nodes of one edge.
@@ -169,7 +176,7 @@ TEUCHOS_UNIT_TEST(Partition, ChequeredColoursAreMended) {
 
 TEUCHOS_UNIT_TEST(Partition, HingedBodyIsCutAtTheHinge) {
   const Mesh mesh = hinge();
-  TEST_EQUALITY(findBodies(mesh).count, 1);
+  TEST_EQUALITY(bodiesOf(mesh).count(), 1);
   PartitionOptions block;
   block.method = PartitionMethod::Block;
   const Partition whole = cut(mesh, block);
@@ -210,7 +217,7 @@ TEUCHOS_UNIT_TEST(DualGraph, CouplingIsAreaOverDistance) {
   BoxSpec spec;
   spec.upper = {6, 2, 0.2};
   spec.divisions = {3, 2, 2};  // cells of 2 x 1 x 0.1
-  const DualGraph graph = buildDualGraph(makeBoxes({spec}));
+  const DualGraph graph = graphOf(makeBoxes({spec}));
   TEST_EQUALITY(graph.couplings.size(), graph.neighbours.size());
   for (int e = 0; e < 12; ++e)
     for (auto k = graph.offsets[e]; k < graph.offsets[e + 1]; ++k) {
@@ -218,7 +225,7 @@ TEUCHOS_UNIT_TEST(DualGraph, CouplingIsAreaOverDistance) {
       TEST_FLOATING_EQUALITY(graph.couplings[k], step == 1 ? 0.05 : step == 3 ? 0.2 : 20.0, 1e-12);
     }
   // a tetrahedron of Kuhn's subdivision has sides of area 1/2 and sqrt(2)/2
-  const DualGraph kuhn = buildDualGraph(box({1, 1, 1}, Topology::Tet4));
+  const DualGraph kuhn = graphOf(box({1, 1, 1}, Topology::Tet4));
   for (double coupling : kuhn.couplings) TEST_FLOATING_EQUALITY(coupling, std::sqrt(0.5) / std::sqrt(2.0 / 16.0), 1e-12);
 }
 
@@ -262,12 +269,12 @@ TEUCHOS_UNIT_TEST(RoundParts, TakesTeethIn) {
   const Mesh mesh = box({8, 8, 1});
   std::vector<int> part(64);
   for (int e = 0; e < 64; ++e) part[e] = e % 8 < ((e / 8) % 2 ? 7 : 1);
-  roundParts(buildDualGraph(mesh), elementCentroids(mesh), {32.0, 32.0}, part);
+  roundParts(graphOf(mesh), elementCentroids(mesh), {32.0, 32.0}, part);
   TEST_EQUALITY(std::count(part.begin(), part.end(), 0), 32);
   for (int e = 0; e < 64; ++e) TEST_EQUALITY(part[e], e % 8 < 4 ? 1 : 0);
   std::vector<int> single{0, 1};  // no part loses its last element
   const Mesh pair = box({2, 1, 1});
-  roundParts(buildDualGraph(pair), elementCentroids(pair), {2.0, 0.001}, single);
+  roundParts(graphOf(pair), elementCentroids(pair), {2.0, 0.001}, single);
   TEST_EQUALITY(std::count(single.begin(), single.end(), 0), 1);
 }
 

@@ -20,7 +20,7 @@ Scene longBodies(int subdomains, bool ordered) {
   options.subdomains = subdomains;
   Scene scene = makeScene(options);
   if (!ordered) return scene;
-  orderSubdomains(scene.mesh, scene.interfaces, scene.partition);
+  orderSubdomains(Teuchos::SerialComm<int>(), scene.own, scene.interfaces, scene.partition);
   scene.subdomains = extractSubdomains(scene.mesh, scene.partition, {0, 1});
   scene.rows = buildConstraintRows(scene.mesh, scene.subdomains, scene.prescribed, scene.interfaces, {1}, {7.0, 21.0});
   return scene;
@@ -56,7 +56,7 @@ TEUCHOS_UNIT_TEST(SubdomainOrder, ChangesNumbersOnly) {
   for (std::size_t e = 0; e < before.partition.ofElement.size(); ++e) {
     elements[before.partition.ofElement[e]].insert(int(e));
     same[after.partition.ofElement[e]].insert(int(e));
-    TEST_EQUALITY(after.partition.bodyOfSubdomain[after.partition.ofElement[e]], before.bodies.ofElement[e]);
+    TEST_EQUALITY(after.partition.bodyOfSubdomain[after.partition.ofElement[e]], before.bodies.ofPiece[before.bodies.pieces.ofElement[e]]);
   }
   std::sort(elements.begin(), elements.end());
   std::sort(same.begin(), same.end());
@@ -98,7 +98,7 @@ TEUCHOS_UNIT_TEST(SubdomainOrder, TakesAnyModel) {
     options.subdomains = subdomains;
     options.contact = false;
     Scene scene = makeScene(options);
-    orderSubdomains(scene.mesh, scene.interfaces, scene.partition);
+    orderSubdomains(Teuchos::SerialComm<int>(), scene.own, scene.interfaces, scene.partition);
     std::set<int> numbers(scene.partition.ofElement.begin(), scene.partition.ofElement.end());
     TEST_EQUALITY(int(numbers.size()), subdomains);
     TEST_EQUALITY(*numbers.begin(), 0);

@@ -16,11 +16,10 @@ using namespace Haptos::Testing;
 Scene brickScene(int k, int p) {
   Scene scene;
   scene.mesh = makeTwoBeams({k, p});
-  scene.bodies = findBodies(scene.mesh);
   PartitionOptions cut;
   cut.method = PartitionMethod::Bricks;
   cut.bricks = brickSubdomains({k, p});
-  scene.partition = partitionMesh(scene.mesh, buildDualGraph(scene.mesh), scene.bodies, cut);
+  cutScene(scene, cut);
   scene.materials = {{"soft", 7.0, 0.3}, {"hard", 21.0, 0.25}};
   return scene;
 }

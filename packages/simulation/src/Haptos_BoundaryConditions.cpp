@@ -2,29 +2,110 @@
 // Conditions and loads of a model: sets are looked up, displacements evaluated at the nodes.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <set>
+#include <tuple>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_ModelBuilder.hpp"
 #include "Haptos_ParameterValue.hpp"
+#include "Haptos_Partition.hpp"
 
 namespace Haptos {
 namespace {
 
-std::set<std::int64_t> nodesOfSet(const Mesh& mesh, const std::vector<std::int64_t>& offsets, const std::string& name,
-                                  const std::string& path) {
-  const int nodeSet = findNodeSet(mesh, name), sideSet = findSideSet(mesh, name);
+using Index = std::int64_t;
+
+/// A value that a condition gives a node; sent to the rank in whose range the node lies.
+struct Given {
+  Index node;
+  int component, turn, letter;  // turn: of the set among all that are named; letter: place in Components
+  double value;
+};
+
+bool operator<(const Given& a, const Given& b) {
+  return std::tie(a.node, a.component, a.turn) < std::tie(b.node, b.component, b.turn);
+}
+
+struct NamedSet {
+  int condition, nodeSet, sideSet;
+};
+
+struct Displacements {
+  std::vector<const ConditionOptions*> conditions;
+  std::vector<NamedSet> sets;  // by turn
+};
+
+NamedSet findNamedSet(const MeshShare& mesh, const std::string& name, const std::string& path) {
+  const int nodeSet = findNodeSet(mesh.part, name), sideSet = findSideSet(mesh.part, name);
   if (nodeSet < 0 && sideSet < 0)
     throw InputError(path + "->Sets: the mesh has no node set or side set '" + name + "'; its node sets are: " +
-                     listNodeSets(mesh) + "; its side sets are: " + listSideSets(mesh));
-  std::set<std::int64_t> nodes;
-  if (nodeSet >= 0) nodes.insert(mesh.nodeSets[nodeSet].nodes.begin(), mesh.nodeSets[nodeSet].nodes.end());
-  if (sideSet >= 0)
-    for (const auto& side : mesh.sideSets[sideSet].sides)
-      for (auto node : nodesOfSide(mesh, offsets, side)) nodes.insert(node);
-  if (nodes.empty()) throw InputError(path + "->Sets: the set '" + name + "' has no nodes");
-  return nodes;
+                     listNodeSets(mesh.part) + "; its side sets are: " + listSideSets(mesh.part));
+  const Index members = (nodeSet < 0 ? 0 : mesh.nodeSetSizes[std::size_t(nodeSet)]) + (sideSet < 0 ? 0 : mesh.sideSetSizes[std::size_t(sideSet)]);
+  if (members == 0) throw InputError(path + "->Sets: the set '" + name + "' has no nodes");
+  return {0, nodeSet, sideSet};
+}
+
+Displacements findDisplacements(const std::vector<ConditionOptions>& conditions, const MeshShare& mesh) {
+  Displacements result;
+  for (const auto& condition : conditions) {
+    if (condition.type != ConditionType::Displacement) continue;
+    for (const auto& name : condition.sets) {
+      result.sets.push_back(findNamedSet(mesh, name, condition.path));
+      result.sets.back().condition = int(result.conditions.size());
+    }
+    result.conditions.push_back(&condition);
+  }
+  return result;
+}
+
+// Values at this rank's nodes of the node sets, and at the nodes of its elements' sides.
+std::vector<std::vector<Given>> evaluate(const Displacements& displacements, const MeshShare& mesh, const OwnElements& own) {
+  std::vector<std::vector<Given>> toOwner(std::size_t(mesh.nodes.ranks));
+  const auto offsets = blockOffsets(own.part.mesh);
+  for (int turn = 0; turn < int(displacements.sets.size()); ++turn) {
+    const NamedSet& set = displacements.sets[std::size_t(turn)];
+    const ConditionOptions& condition = *displacements.conditions[std::size_t(set.condition)];
+    const auto give = [&](Index node, const std::array<double, 3>& x) {
+      const auto u = condition.value(x[0], x[1], x[2]);
+      for (int i = 0; i < int(condition.components.size()); ++i) {
+        const int component = condition.components[std::size_t(i)] - 'x';
+        toOwner[std::size_t(mesh.nodes.owner(node))].push_back({node, component, turn, i, u[std::size_t(component)]});
+      }
+    };
+    if (set.nodeSet >= 0)
+      for (Index node : mesh.part.nodeSets[std::size_t(set.nodeSet)].nodes)
+        if (const auto place = std::size_t(node - mesh.firstNode()); own.isUsed[place])  // one without elements has nothing to hold
+          give(node, mesh.part.coordinates[place]);
+    if (set.sideSet < 0) continue;
+    std::set<Index> nodes;
+    for (const auto& side : own.part.mesh.sideSets[std::size_t(set.sideSet)].sides)
+      for (auto node : nodesOfSide(own.part.mesh, offsets, side)) nodes.insert(node);
+    for (auto node : nodes) give(own.part.nodes[std::size_t(node)], own.part.mesh.coordinates[std::size_t(node)]);
+  }
+  return toOwner;
+}
+
+/// Two values at one place.
+struct Conflict {
+  Given first, other;
+  bool operator<(const Conflict& b) const {  // in the order in which conditions are read
+    return std::tie(other.turn, other.node, other.letter) < std::tie(b.other.turn, b.other.node, b.other.letter);
+  }
+};
+
+// The first value of every node and component; others must be the same.
+std::vector<PrescribedDisplacement> firstValues(std::vector<Given> given, std::vector<Conflict>& conflicts) {
+  std::sort(given.begin(), given.end());
+  std::vector<PrescribedDisplacement> result;
+  for (std::size_t i = 0, first = 0; i < given.size(); ++i) {
+    if (given[i].node != given[first].node || given[i].component != given[first].component) first = i;
+    if (i == first) result.push_back({given[i].node, given[i].component, given[i].value});
+    const double before = given[first].value, now = given[i].value;
+    if (std::abs(before - now) > 1e-12 * std::max(std::abs(before), std::abs(now))) conflicts.push_back({given[first], given[i]});
+  }
+  if (!conflicts.empty()) conflicts = {*std::min_element(conflicts.begin(), conflicts.end())};
+  return result;
 }
 
 int sideSetFor(const Mesh& mesh, const std::string& name, const std::string& type, const std::string& path) {
@@ -35,41 +116,27 @@ int sideSetFor(const Mesh& mesh, const std::string& name, const std::string& typ
   throw InputError(path + "->Sets: " + hint + "; its side sets are: " + listSideSets(mesh));
 }
 
-struct Given {
-  double value;
-  std::string path;
-};
-
 }  // namespace
 
-std::vector<PrescribedDisplacement> collectDisplacements(const std::vector<ConditionOptions>& conditions, const Mesh& mesh) {
-  const auto offsets = blockOffsets(mesh);
-  std::vector<char> used(mesh.numNodes(), 0);
-  for (const auto& block : mesh.blocks)
-    for (auto node : block.connectivity) used[node] = 1;
-  std::map<std::pair<std::int64_t, int>, Given> given;
-  for (const auto& condition : conditions) {
-    if (condition.type != ConditionType::Displacement) continue;
-    const std::string& path = condition.path;
-    for (const auto& name : condition.sets)
-      for (auto node : nodesOfSet(mesh, offsets, name, path)) {
-        if (!used[node]) continue;  // a node without elements has nothing to hold
-        const auto& x = mesh.coordinates[node];
-        const auto u = condition.value(x[0], x[1], x[2]);
-        for (char letter : condition.components) {
-          const int component = letter - 'x';
-          const auto [entry, isNew] = given.emplace(std::make_pair(node, component), Given{u[component], path});
-          const double before = entry->second.value;
-          if (!isNew && std::abs(before - u[component]) > 1e-12 * std::max(std::abs(before), std::abs(u[component])))
-            throw InputError(path + "->Value: prescribes " + letter + "-displacement " + numberText(u[component]) + " at " +
-                             describeNode(mesh, node) + ", where " + entry->second.path + " prescribes " + numberText(before) +
-                             "; give one value only");
-        }
-      }
-  }
-  std::vector<PrescribedDisplacement> result;
-  for (const auto& [key, entry] : given) result.push_back({key.first, key.second, entry.value});
-  return result;
+std::vector<PrescribedDisplacement> collectDisplacements(const Communicator& comm, const std::vector<ConditionOptions>& conditions,
+                                                         const MeshShare& mesh, const OwnElements& own) {
+  Displacements displacements;
+  std::vector<std::vector<Given>> toOwner;
+  runOnAllRanks(comm, [&] {
+    displacements = findDisplacements(conditions, mesh);
+    toOwner = evaluate(displacements, mesh, own);
+  });
+  std::vector<Conflict> conflicts;
+  auto result = firstValues(joined(exchangeValues(comm, toOwner)), conflicts);
+  conflicts = gatheredOnAll(comm, conflicts);
+  if (conflicts.empty()) return result;
+  const auto [first, other] = *std::min_element(conflicts.begin(), conflicts.end());
+  const auto pathOf = [&](const Given& given) {
+    return displacements.conditions[std::size_t(displacements.sets[std::size_t(given.turn)].condition)]->path;
+  };
+  throw InputError(pathOf(other) + "->Value: prescribes " + char('x' + other.component) + "-displacement " + numberText(other.value) + " at " +
+                   describeNode(comm, mesh, other.node) + ", where " + pathOf(first) + " prescribes " + numberText(first.value) +
+                   "; give one value only");
 }
 
 std::vector<Load> collectLoads(const std::vector<ConditionOptions>& conditions, const Mesh& mesh) {
@@ -93,15 +160,15 @@ std::vector<Load> collectLoads(const std::vector<ConditionOptions>& conditions, 
   return loads;
 }
 
-void requireLoadedSides(const std::vector<Load>& loads, const Mesh& mesh) {
+void requireLoadedSides(const std::vector<Load>& loads, const MeshShare& mesh) {
   for (const Load& load : loads) {
     for (int i : load.sideSets) {
-      const SideSet& set = mesh.sideSets[std::size_t(i)];
-      if (set.sides.empty()) throw InputError(load.name + "->Sets: the side set " + std::to_string(set.id) + " '" + set.name + "' has no sides");
+      const SideSet& set = mesh.part.sideSets[std::size_t(i)];
+      if (mesh.sideSetSizes[std::size_t(i)] == 0) throw InputError(load.name + "->Sets: the side set " + std::to_string(set.id) + " '" + set.name + "' has no sides");
     }
     for (int i : load.blocks) {
-      const ElementBlock& block = mesh.blocks[std::size_t(i)];
-      if (block.numElements() == 0)
+      const ElementBlock& block = mesh.part.blocks[std::size_t(i)];
+      if (mesh.blockStarts[std::size_t(i)] == mesh.blockStarts[std::size_t(i) + 1])
         throw InputError(load.name + "->Element Blocks: the block " + std::to_string(block.id) + " '" + block.name + "' has no elements");
     }
   }

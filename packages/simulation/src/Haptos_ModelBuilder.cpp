@@ -1,18 +1,19 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ModelBuilder.hpp"
 
-#include <Teuchos_DefaultSerialComm.hpp>
+#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numeric>
 
 #include "Haptos_BoxMesh.hpp"
-#include "Haptos_DualGraph.hpp"
+#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_MeshFiles.hpp"
 #include "Haptos_ParameterValue.hpp"
-#include "Haptos_SubdomainOrder.hpp"
+#include "Haptos_Partition.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -20,7 +21,8 @@ namespace {
 std::string blockLabel(const ElementBlock& block) { return block.name.empty() ? std::to_string(block.id) : block.name; }
 
 // [blocks]
-std::vector<int> assignMaterials(const std::vector<MaterialOptions>& options, const Mesh& mesh) {
+std::vector<int> assignMaterials(const std::vector<MaterialOptions>& options, const MeshShare& share) {
+  const Mesh& mesh = share.part;
   std::vector<int> materialOfBlock(mesh.blocks.size(), -1);
   int own = 0;
   for (const auto& material : options) {
@@ -38,16 +40,10 @@ std::vector<int> assignMaterials(const std::vector<MaterialOptions>& options, co
     ++own;
   }
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b)
-    if (materialOfBlock[b] < 0 && mesh.blocks[b].numElements() > 0)
+    if (materialOfBlock[b] < 0 && share.blockStarts[b + 1] > share.blockStarts[b])
       throw InputError("Materials: element block '" + blockLabel(mesh.blocks[b]) +
                        "' has no material; name it in the Element Blocks of one");
   return materialOfBlock;
-}
-
-PartitionOptions partitionOptions(const DecompositionOptions& options, const std::vector<int>& bricks) {
-  if (options.method == PartitionMethod::Bricks && bricks.empty())
-    throw InputError("Decomposition->Method: Bricks is for the generated Two Beams mesh only; use METIS for a mesh from a file");
-  return {options, options.method == PartitionMethod::Bricks ? bricks : std::vector<int>{}};
 }
 
 ContactSpec contactSpec(const ContactOptions& options) {
@@ -95,16 +91,6 @@ void checkElements(const Mesh& mesh) {
   }
 }
 
-// A surface of inverted elements cannot be paired: then the element is what must be named.
-std::vector<ContactInterface> pairSurfaces(const Mesh& mesh, const std::vector<ContactSpec>& specs) {
-  try {
-    return buildContact(mesh, specs);
-  } catch (const InputError&) {
-    checkElements(mesh);
-    throw;
-  }
-}
-
 // Plain hexahedra lock near incompressibility; the mean dilatation frees them.
 void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh, ModelData& data) {
   constexpr double kNearlyIncompressible = 0.45;
@@ -118,55 +104,32 @@ void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh
   }
 }
 
-void readContact(const std::vector<ContactOptions>& contacts, ModelData& data, GlobalModel& model) {
-  std::vector<ContactSpec> specs;
-  for (const auto& contact : contacts) {
-    data.interfaceNames.push_back(contact.name);
-    data.friction.push_back(frictionSpec(contact.friction));
-    specs.push_back(contactSpec(contact));
-  }
-  model.interfaces = pairSurfaces(model.mesh, specs);
-  for (const auto& interface : model.interfaces) {
-    data.notes.insert(data.notes.end(), interface.notes.begin(), interface.notes.end());
-    data.unpairedNodes += interface.unpairedNodes;
-    if (interface.tied) data.tiedPairs += long(interface.pairs.size());
-  }
-}
-
-std::vector<std::string> hingedBodies(const BodyPieces& pieces, const Bodies& bodies) {
-  std::vector<int> count(bodies.names.size(), 0);
-  for (const auto& elements : pieces.elements) ++count[std::size_t(bodies.ofElement[std::size_t(elements.front())])];
-  std::vector<std::string> names;
-  for (std::size_t b = 0; b < count.size(); ++b)
-    if (count[b] > 1) names.push_back(bodies.names[b]);
-  return names;
-}
-
-// Messages name nodes and elements by their numbers, which a mesh in memory need not have.
-void numberFromOne(std::vector<std::int64_t>& numbers, std::size_t count) {
-  if (numbers.size() == count) return;
-  numbers.resize(count);
-  std::iota(numbers.begin(), numbers.end(), std::int64_t(1));
-}
-
-}  // namespace
-
-namespace {
-
 // Volumes, moments and their squares must stay within the range of double precision.
-void requireOrdinarySize(const Mesh& mesh) {
+void requireOrdinarySize(const std::array<double, 6>& box) {
   constexpr double kLargest = 1e50, kSmallest = 1e-50;
   double extent = 0, largest = 0;
-  for (int c = 0; c < 3; ++c) {
-    const auto along = [c](const auto& a, const auto& b) { return a[std::size_t(c)] < b[std::size_t(c)]; };
-    const auto [low, high] = std::minmax_element(mesh.coordinates.begin(), mesh.coordinates.end(), along);
-    const double first = (*low)[std::size_t(c)], last = (*high)[std::size_t(c)];
+  for (std::size_t c = 0; c < 3; ++c) {
+    const double first = box[c], last = -box[c + 3];
     extent = std::max(extent, last - first);
     largest = std::max({largest, std::abs(first), std::abs(last)});
   }
   if (largest <= kLargest && extent >= kSmallest) return;
   throw InputError("Mesh: extends over " + numberText(extent) + " and to coordinates of " + numberText(largest) + "; lengths from " +
                    numberText(kSmallest) + " to " + numberText(kLargest) + " can be computed with, so use another unit of length");
+}
+
+// Least x, y, z of all nodes, and of -x, -y, -z.
+std::array<double, 6> boxOf(const Communicator& comm, const MeshShare& mesh) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
+  std::array<double, 6> mine, all;
+  mine.fill(kInfinity);
+  for (const auto& x : mesh.part.coordinates)
+    for (std::size_t c = 0; c < 3; ++c) {
+      mine[c] = std::min(mine[c], x[c]);
+      mine[c + 3] = std::min(mine[c + 3], -x[c]);
+    }
+  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, 6, mine.data(), all.data());
+  return all;
 }
 
 // Beyond the ratio, round-off in the stiff body is larger than what the soft one does.
@@ -184,62 +147,176 @@ void requireOrdinaryStiffness(const std::vector<IsotropicMaterial>& materials) {
                    ", the limit of double precision; model the stiff body as a rigid plane or by prescribed displacements");
 }
 
-}  // namespace
-
 std::vector<IsotropicMaterial> materialsOf(const std::vector<MaterialOptions>& options) {
   std::vector<IsotropicMaterial> materials;
   for (const auto& material : options) materials.push_back({material.name, material.youngsModulus, material.poissonsRatio});
   return materials;
 }
 
-SourceMesh makeMesh(const MeshOptions& options) {
-  SourceMesh source;
-  if (options.twoBeams) {
-    const TwoBeamsSpec spec{options.twoBeams->subdomainsPerEdge, options.twoBeams->elementsPerSubdomainEdge};
-    source.mesh = makeTwoBeams(spec);
-    source.bricks = brickSubdomains(spec);
-  } else {
-    source.mesh = readMeshFiles(Teuchos::SerialComm<int>(), options.file).part;
-  }
-  return source;
+// Messages name nodes and elements by their numbers, which a mesh in memory need not have.
+void numberFromOne(std::vector<std::int64_t>& numbers, std::int64_t first, std::int64_t end) {
+  if (std::int64_t(numbers.size()) == end - first) return;
+  numbers.resize(std::size_t(end - first));
+  std::iota(numbers.begin(), numbers.end(), first + 1);
 }
 
-ModelDraft draftModel(const RunOptions& options, SourceMesh source, ModelData& data, GlobalModel& model) {
-  ModelDraft draft;
-  model.mesh = std::move(source.mesh);
-  if (model.mesh.numElements() == 0) throw InputError("Mesh: has no elements");
-  requireOrdinarySize(model.mesh);
-  if (model.mesh.numElements() + model.mesh.numNodes() > std::size_t(std::numeric_limits<int>::max()))
-    throw InputError("Mesh: has " + std::to_string(model.mesh.numElements()) + " elements and " + std::to_string(model.mesh.numNodes()) +
-                     " nodes; the one rank that cuts it takes at most 2147483647 of both together");
-  if (!options.title.empty()) model.mesh.title = options.title;
-  numberFromOne(model.mesh.nodeNumbers, model.mesh.numNodes());
-  numberFromOne(model.mesh.elementNumbers, model.mesh.numElements());
-  data.materials = materialsOf(options.materials);
-  requireOrdinaryStiffness(data.materials);
-  draft.materialOfBlock = assignMaterials(options.materials, model.mesh);
-  chooseFormulation(draft.materialOfBlock, model.mesh, data);
-  model.prescribed = collectDisplacements(options.conditions, model.mesh);
-  data.loads = collectLoads(options.conditions, model.mesh);
-  requireLoadedSides(data.loads, model.mesh);
-  readContact(options.contacts, data, model);
+SourceShare dealMesh(const Communicator& comm, const SourceMesh* source) {
+  SourceShare share;
+  static const Mesh nothing;
+  const bool isRoot = comm.getRank() == 0;
+  int hasBricks = isRoot && !source->bricks.empty();
+  Teuchos::broadcast(comm, 0, Teuchos::outArg(hasBricks));
+  share.hasBricks = hasBricks;
+  share.mesh = scatterMesh(comm, isRoot ? source->mesh : nothing);
+  std::vector<std::vector<int>> bricks(std::size_t(comm.getSize()));
+  if (isRoot && hasBricks)
+    for (int r = 0; r < comm.getSize(); ++r)
+      bricks[std::size_t(r)].assign(source->bricks.begin() + share.mesh.elements.begin(r),
+                                    source->bricks.begin() + share.mesh.elements.begin(r + 1));
+  share.bricks = joined(exchangeValues(comm, bricks));
+  return share;
+}
 
-  draft.graph = buildDualGraph(model.mesh);
-  draft.bodies = findBodies(model.mesh);
-  data.bodyNames = draft.bodies.names;
-  draft.options = partitionOptions(options.decomposition, source.bricks);
-  data.metis = draft.options.method == PartitionMethod::Metis;
-  draft.plan = planPartition(model.mesh, draft.graph, draft.options);
-  data.hinged = hingedBodies(draft.plan.pieces, draft.bodies);
+SourceShare makeBeams(const TwoBeamsOptions& options, int rank, int ranks) {
+  SourceShare share;
+  share.hasBricks = true;
+  const TwoBeamsSpec spec{options.subdomainsPerEdge, options.elementsPerSubdomainEdge};
+  share.mesh = shareTwoBeams(spec, rank, ranks);
+  for (auto e = share.mesh.firstElement(); e < share.mesh.endElement(); ++e) share.bricks.push_back(brickOfElement(spec, e));
+  return share;
+}
+
+// Sides of these sets, by element, or none.
+std::vector<char> elementsAt(const Mesh& mesh, const std::vector<ContactSpec>& contacts) {
+  std::vector<char> isAt(mesh.numElements(), 0);
+  for (const auto& contact : contacts)
+    for (const auto& name : {contact.secondarySideSet, contact.primarySideSet}) {
+      int set = -1;
+      try {
+        set = findSideSet(mesh, name);
+      } catch (const InputError&) {  // of several sets of that name; the pairing refuses it
+      }
+      if (set < 0) continue;
+      for (const auto& side : mesh.sideSets[std::size_t(set)].sides) isAt[std::size_t(side.element)] = 1;
+    }
+  return isAt;
+}
+
+void toWholeMesh(const std::vector<std::int64_t>& nodes, ContactPair& pair) {
+  pair.secondaryNode = nodes[std::size_t(pair.secondaryNode)];
+  for (auto* side : {&pair.secondary, &pair.primary})
+    for (auto& item : *side) item.node = nodes[std::size_t(item.node)];
+}
+
+// What all ranks report of the pairs.
+void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& interfaces, ModelData& data) {
+  ByteWriter writer;
+  for (const auto& interface : interfaces) {
+    writer.write(interface.unpairedNodes);
+    writer.write(long(interface.tied ? interface.pairs.size() : 0));
+    writer.write(interface.notes.size());
+    for (const auto& note : interface.notes) writer.write(note);
+  }
+  const Bytes message = gatherOnAll(comm, writer.take()).front();
+  for (ByteReader reader(message); !reader.atEnd();) {
+    data.unpairedNodes += reader.read<std::size_t>();
+    data.tiedPairs += reader.read<long>();
+    for (auto left = reader.read<std::size_t>(); left > 0; --left) data.notes.push_back(reader.readString());
+  }
+}
+
+}  // namespace
+
+SourceShare makeShare(const Communicator& comm, const RunOptions& options, const SourceMesh* source) {
+  int isInMemory = source != nullptr;
+  Teuchos::broadcast(comm, 0, Teuchos::outArg(isInMemory));
+  SourceShare share;
+  if (isInMemory) share = dealMesh(comm, source);
+  else if (options.mesh.twoBeams) runOnAllRanks(comm, [&] { share = makeBeams(*options.mesh.twoBeams, comm.getRank(), comm.getSize()); });
+  else share.mesh = readMeshFiles(comm, options.mesh.file);
+  numberFromOne(share.mesh.part.nodeNumbers, share.mesh.firstNode(), share.mesh.endNode());
+  numberFromOne(share.mesh.part.elementNumbers, share.mesh.firstElement(), share.mesh.endElement());
+  if (!options.title.empty()) share.mesh.part.title = options.title;
+  return share;
+}
+
+PartitionOptions partitionOptions(const DecompositionOptions& options, SourceShare& source) {
+  PartitionOptions result;
+  static_cast<DecompositionOptions&>(result) = options;
+  if (options.method != PartitionMethod::Bricks) return result;
+  if (!source.hasBricks)
+    throw InputError("Decomposition->Method: Bricks is for the generated Two Beams mesh only; use METIS for a mesh from a file");
+  result.bricks = std::move(source.bricks);
+  return result;
+}
+
+ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const MeshShare& mesh) {
+  ModelDraft draft;
+  ModelData& data = draft.data;
+  const auto box = boxOf(comm, mesh);
+  runOnAllRanks(comm, [&] {
+    if (mesh.elements.size == 0) throw InputError("Mesh: has no elements");
+    requireOrdinarySize(box);
+    data.materials = materialsOf(options.materials);
+    requireOrdinaryStiffness(data.materials);
+    draft.materialOfBlock = assignMaterials(options.materials, mesh);
+    chooseFormulation(draft.materialOfBlock, mesh.part, data);
+    data.loads = collectLoads(options.conditions, mesh.part);
+    requireLoadedSides(data.loads, mesh);
+    for (const auto& contact : options.contacts) {
+      data.interfaceNames.push_back(contact.name);
+      data.friction.push_back(frictionSpec(contact.friction));
+      draft.contacts.push_back(contactSpec(contact));
+    }
+  });
   return draft;
 }
 
-void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model) {
-  model.partition = finishPartition(draft.graph, draft.bodies, draft.options, draft.plan, partsOfPieces);
-  data.mendedFragments = model.partition.mended;
-  const bool comesInOrder = draft.options.method == PartitionMethod::Bricks;
-  if (!comesInOrder) orderSubdomains(model.mesh, model.interfaces, model.partition);
-  model.subdomains = extractSubdomains(model.mesh, model.partition, draft.materialOfBlock);
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const OwnElements& own, ModelDraft& draft) {
+  std::vector<int> rankOf;
+  for (char isAt : elementsAt(own.part.mesh, draft.contacts)) rankOf.push_back(isAt ? 0 : -1);
+  const PartialMesh surfaces = sendElements(comm, own.part, rankOf, std::vector<int>(rankOf.size(), 0)).part;
+  std::vector<ContactInterface> interfaces;
+  try {
+    runOnRoot(comm, [&] { interfaces = buildContact(surfaces.mesh, draft.contacts); });
+  } catch (const InputError&) {  // a surface of inverted elements cannot be paired: then the element is what must be named
+    runOnAllRanks(comm, [&] { checkElements(own.part.mesh); });
+    throw;
+  }
+  for (auto& interface : interfaces)
+    for (auto& pair : interface.pairs) toWholeMesh(surfaces.nodes, pair);
+  shareNotes(comm, interfaces, draft.data);
+  draft.surfaceElements = std::int64_t(surfaces.elements.size());
+  return interfaces;
+}
+
+std::string describeNode(const Communicator& comm, const MeshShare& mesh, std::int64_t node) {
+  ByteWriter writer;
+  if (node >= mesh.firstNode() && node < mesh.endNode()) writer.write(describeNode(mesh.part, node - mesh.firstNode()));
+  const Bytes message = gatherOnAll(comm, writer.take())[std::size_t(mesh.nodes.owner(node))];
+  return ByteReader(message).readString();
+}
+
+void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data) {
+  struct Overlap {
+    int interface, position;
+    std::int64_t node;
+    double depth;
+  };
+  const auto box = boxOf(comm, mesh);
+  const double size = std::max({-box[3] - box[0], -box[4] - box[1], -box[5] - box[2]});
+  std::vector<Overlap> overlaps;
+  for (const auto& pair : multipliers.pairs())
+    if (const auto row = std::size_t(pair.normal); multipliers.pinned()[row] && multipliers.c()[row] < -1e-9 * size)
+      overlaps.push_back({pair.interface, pair.pair, pair.geometry.secondaryNode, -multipliers.c()[row]});
+  overlaps = gatheredOnAll(comm, overlaps);
+  if (overlaps.empty()) return;
+  const auto first = *std::min_element(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
+    return a.interface != b.interface ? a.interface < b.interface : a.position < b.position;
+  });
+  throw InsufficientModel("The model has no solution: at " + describeNode(comm, mesh, first.node) + " of contact '" +
+                          data.interfaceNames[std::size_t(first.interface)] + "' the prescribed displacements make the surfaces overlap by " +
+                          numberText(first.depth) + ".");
 }
 
 }  // namespace Haptos

@@ -8,10 +8,14 @@
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_Expression.hpp"
 #include "Haptos_LinearElasticity.hpp"
-#include "Haptos_Partition.hpp"
+#include "Haptos_MeshShare.hpp"
+#include "Haptos_MultiplierMap.hpp"
 #include "Haptos_RunOptions.hpp"
 
 namespace Haptos {
+
+struct OwnElements;
+struct PartitionOptions;
 
 /// \brief A load on surfaces or volumes, with positions of sets and blocks in the mesh.
 struct Load {
@@ -41,52 +45,59 @@ struct ModelData {
   int mendedFragments = 0;
 };
 
-/// \brief What the reader holds beside: the mesh, its cut into subdomains, what is prescribed and paired.
-struct GlobalModel {
-  Mesh mesh;
-  Partition partition;
-  std::vector<Subdomain> subdomains;         ///< emptied once they are sent
-  std::vector<ContactInterface> interfaces;
-  std::vector<PrescribedDisplacement> prescribed;
-};
-
 /// \brief A mesh with, for a generated one, its bricks.
 struct SourceMesh {
   Mesh mesh;
   std::vector<int> bricks;  ///< [numElements], or empty
 };
 
-/// \brief The materials in the order of the input.
-std::vector<IsotropicMaterial> materialsOf(const std::vector<MaterialOptions>& materials);
-
-/// \brief Reads or generates the mesh.  Serial.
-SourceMesh makeMesh(const MeshOptions& options);
-
-/// \brief What the first half of a model leaves for the second.
-struct ModelDraft {
-  std::vector<int> materialOfBlock;
-  DualGraph graph;
-  Bodies bodies;
-  PartitionOptions options;
-  PartitionPlan plan;
+/// \brief What one rank holds of such a mesh.
+struct SourceShare {
+  MeshShare mesh;           ///< with all numbers of nodes and elements
+  bool hasBricks = false;
+  std::vector<int> bricks;  ///< [elements of this rank] where there are bricks
 };
 
-/// \name Options and a mesh become a model, on the reader, up to the cut and from there on; each half is serial.
-/// @{
-/// \throws InputError naming the parameter and what exists
-ModelDraft draftModel(const RunOptions& options, SourceMesh source, ModelData& data, GlobalModel& model);
-/// \param partsOfPieces from `cutOnRanks` of draft.plan.cuts
-void finishModel(const ModelDraft& draft, const std::vector<std::vector<int>>& partsOfPieces, ModelData& data, GlobalModel& model);
-/// @}
+/// \brief Reads or generates every rank's share of the mesh of the options, or deals `source`.  Collective.
+/// \param source read on rank 0: a mesh in memory to take in place of the options' one; may be null
+SourceShare makeShare(const Communicator& comm, const RunOptions& options, const SourceMesh* source);
 
-/// \brief Prescribed values of all Displacement conditions, sorted; serial.
-/// \throws InputError for a missing set, or for two conditions that differ at a node, naming both.
-std::vector<PrescribedDisplacement> collectDisplacements(const std::vector<ConditionOptions>& conditions, const Mesh& mesh);
+/// \brief What the options say, looked up in the mesh; replicated.
+struct ModelDraft {
+  ModelData data;
+  std::vector<int> materialOfBlock;  ///< [blocks]
+  std::vector<ContactSpec> contacts;
+  std::int64_t surfaceElements = 0;  ///< that rank 0 got for the pairing; set by `pairSurfaces`
+};
+
+/// \brief Checks the mesh as a whole, and looks materials, loads and contacts up in it.  Collective.
+/// \throws InputError on all ranks, naming the parameter and what exists
+ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const MeshShare& mesh);
+
+/// \brief The cut that the options want; takes the bricks of `source`.  Serial.
+/// \throws InputError for bricks of a mesh that has none
+PartitionOptions partitionOptions(const DecompositionOptions& options, SourceShare& source);
+
+/// \brief Pairs of all interfaces, on rank 0, which gets the elements at the surfaces; notes and counts go to the draft.  Collective.
+/// \throws InputError on all ranks
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const OwnElements& own, ModelDraft& draft);
+
+/// \brief A contact pair that cannot move must respect its gap already.  Collective.
+/// \throws InsufficientModel on all ranks
+void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data);
+
+/// \brief Prescribed values of all Displacement conditions at the nodes of this rank's range, sorted by node and component.  Collective.
+/// \throws InputError on all ranks for a missing set, or for two conditions that differ at a node, naming both.
+std::vector<PrescribedDisplacement> collectDisplacements(const Communicator& comm, const std::vector<ConditionOptions>& conditions,
+                                                         const MeshShare& mesh, const OwnElements& own);
 
 /// \brief Pressures, tractions and body forces; serial.  \throws InputError for a missing set or block.
 std::vector<Load> collectLoads(const std::vector<ConditionOptions>& conditions, const Mesh& mesh);
 
 /// \brief Where the mesh has them: a load on nothing would be none.  Serial.  \throws InputError naming the set or block.
-void requireLoadedSides(const std::vector<Load>& loads, const Mesh& mesh);
+void requireLoadedSides(const std::vector<Load>& loads, const MeshShare& mesh);
+
+/// \brief "node 17 (0.5, 0.25, 0)" of any node of the mesh, on all ranks.  Collective; `node` is the same on all.
+std::string describeNode(const Communicator& comm, const MeshShare& mesh, std::int64_t node);
 
 }  // namespace Haptos

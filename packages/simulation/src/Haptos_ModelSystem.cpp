@@ -12,7 +12,6 @@
 #include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalLoads.hpp"
-#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -44,27 +43,15 @@ void addLoad(const Subdomain& sub, const Load& load, Eigen::Ref<Eigen::VectorXd>
   }
 }
 
-// In how many subdomains of all ranks every mesh node lies.  Collective.
-std::vector<int> countCopies(const Communicator& comm, const std::vector<Subdomain>& subdomains) {
-  std::int64_t mine = 0, size = 0;  // nodes ascend in a subdomain
-  for (const auto& sub : subdomains)
-    if (!sub.nodes.empty()) mine = std::max(mine, sub.nodes.back() + 1);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(size));
-  std::vector<int> count(std::size_t(size), 0), all(std::size_t(size), 0);
-  for (const auto& sub : subdomains)
-    for (auto node : sub.nodes) ++count[node];
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(size), count.data(), all.data());
-  return all;
-}
-
 // The copies of a node share its force equally.
+/// \param copies [nodes of the subdomain]
 void addForces(const Subdomain& sub, const std::vector<int>& copies, const NodalForces& forces, Eigen::Ref<Eigen::VectorXd> f) {
   for (int i = 0; i < sub.numNodes(); ++i) {
     const auto force = forces(sub.nodes[i], sub.coordinates[i]);
     for (int d = 0; d < 3; ++d) {
       if (!std::isfinite(force[d]))
         throw InputError("The nodal force at node " + std::to_string(sub.nodes[i] + 1) + " of the mesh is not finite.");
-      f[3 * i + d] += force[d] / copies[sub.nodes[i]];
+      f[3 * i + d] += force[d] / copies[std::size_t(i)];
     }
   }
 }
@@ -81,11 +68,13 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
   return any;
 }
 
-// The file's number of a node, which rank 0 knows.  Collective.
+// The file's number of a node; that of rank 0 counts.  Collective.
 std::string numberOf(const DistributedModel& model, std::int64_t node) {
-  long long number = 0;
-  if (model.comm->getRank() == 0 && node >= 0) number = model.global.mesh.nodeNumbers[std::size_t(node)];
-  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(number));
+  const MeshShare& mesh = model.mesh;
+  long long asked = node, mine = 0, number = 0;
+  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(asked));
+  if (asked >= mesh.firstNode() && asked < mesh.endNode()) mine = mesh.part.nodeNumbers[std::size_t(asked - mesh.firstNode())];
+  Teuchos::reduceAll(*model.comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(number));
   return std::to_string(number);
 }
 
@@ -112,21 +101,20 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
 
 StepData firstStep(const DistributedModel& model, const FetiSystem& system) {
   const JumpOperator& jump = system.jump();
-  std::vector<int> copies;  // [mesh nodes] subdomains that share a node; only for nodal forces
-  if (!model.nodalForces.empty()) copies = countCopies(*model.comm, model.subdomains);
+  std::vector<std::vector<int>> copies;  // [local subdomains][nodes] subdomains that share a node; only for nodal forces
+  if (!model.nodalForces.empty()) copies = countCopies(*model.comm, model.mesh.nodes, model.subdomains);
   const auto f = Teuchos::rcp(new Vector(jump.getDomainMap())), c = Teuchos::rcp(new Vector(model.multipliers->map()));
   runOnAllRanks(*model.comm, [&] {
     const auto data = f->getDataNonConst(0);
     for (std::size_t i = 0; i < model.subdomains.size(); ++i) {
       Eigen::Map<Eigen::VectorXd> own(data.getRawPtr() + jump.primalOffsets()[i], model.subdomains[i].numDofs());
       for (const auto& load : model.data.loads) addLoad(model.subdomains[i], load, own);
-      for (const auto& forces : model.nodalForces) addForces(model.subdomains[i], copies, forces, own);
+      for (const auto& forces : model.nodalForces) addForces(model.subdomains[i], copies[i], forces, own);
     }
   });
   const auto data = c->getDataNonConst(0);
   std::copy(model.multipliers->c().begin(), model.multipliers->c().end(), data.begin());
-  const EvenRanges& nodes = system.model().gather->nodes();
-  return {f, c, sendItems(*model.comm, model.global.prescribed, [&](const auto& p) { return nodes.owner(p.node); })};
+  return {f, c, model.prescribed};
 }
 
 }  // namespace Haptos

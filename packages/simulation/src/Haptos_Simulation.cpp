@@ -10,7 +10,6 @@
 #include "Haptos_Format.hpp"
 #include "Haptos_ModelSystem.hpp"
 #include "Haptos_ParameterValidation.hpp"
-#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -103,6 +102,7 @@ Simulation::~Simulation() = default;
 
 const FetiSystem& Simulation::system() const { return system_->solver().system(); }
 const DistributedModel& Simulation::model() const { return *model_; }
+const MeshShare& Simulation::mesh() const { return model_->mesh; }
 
 void Simulation::tell(const std::string& text) const {
   if (progress_) progress_->line(text);
@@ -122,8 +122,7 @@ void Simulation::prepare() {
   model_->nodalForces = nodalForces_;
   {
     const auto scope = clock_.time(Phase::Assemble);
-    mesh_ = scatterMesh(*comm_, model_->global.mesh);
-    system_ = std::make_unique<ContactSystem>(systemModelOf(*model_, mesh_.nodes.size), systemOptions(options_),
+    system_ = std::make_unique<ContactSystem>(systemModelOf(*model_, model_->mesh.nodes.size), systemOptions(options_),
                                               StepSolver::Observer{&clock_, [this](const HistoryEntry& entry) { tell(entry); }});
     system_->solver().prepare();
     steps_ = {firstStep(*model_, system())};
@@ -223,7 +222,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   setSlip(gather, result.displacement, result.pairs);
   report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, feti.jump().primalOffsets(), *step.u,
-                                         mesh_.elements);
+                                         model_->mesh.elements);
   result.report = report_;
   return result;
 }
@@ -234,8 +233,8 @@ void Simulation::write(SimulationResult& result) {
     const auto scope = clock_.time(Phase::Write);
     if (!output.file.empty()) {
       const RunReport& report = result.report;
-      ExodusWriter writer(comm_, output.file, mesh_);
-      writer.writeStep(1.0, makeResultFields(*comm_, mesh_.nodes, {result.displacement, result.pairs, result.elements,
+      ExodusWriter writer(comm_, output.file, model_->mesh);
+      writer.writeStep(1.0, makeResultFields(*comm_, model_->mesh.nodes, {result.displacement, result.pairs, result.elements,
                                                                    report.accuracy.errors.kkt(), report.solver.hessianMultiplications}));
       writer.close();
     }

@@ -54,7 +54,7 @@ class Simulation {
   const RunReport& report() const { return report_; }
   const FetiSystem& system() const;
   const DistributedModel& model() const;
-  const MeshShare& mesh() const { return mesh_; }  ///< from `prepare` on
+  const MeshShare& mesh() const;  ///< from `prepare` on
 
  private:
   void describeModel();
@@ -70,7 +70,6 @@ class Simulation {
   std::vector<NodalForces> nodalForces_;
   RunClock clock_;
   std::unique_ptr<DistributedModel> model_;
-  MeshShare mesh_;
   std::unique_ptr<ContactSystem> system_;
   std::vector<StepData> steps_;
   RunReport report_;

@@ -12,6 +12,7 @@
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Parameters.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
 
 namespace {
@@ -129,10 +130,10 @@ TEUCHOS_UNIT_TEST(Simulation, PcpgEqualsADirectSolve) {
     TEST_ASSERT(result.report.solver.hessianMultiplications > 5);
     const NodalGather gather(Tpetra::getDefaultComm(), nodesOf(run.simulation->model().subdomains), run.simulation->mesh().nodes.size);
     const auto f = wholeOnRoot(*Tpetra::getDefaultComm(), gather.sum(run.simulation->system().f()));
+    const auto prescribed = gatheredOnAll(*Tpetra::getDefaultComm(), run.simulation->model().prescribed);
     if (Tpetra::getDefaultComm()->getRank() != 0) continue;
-    const auto& mesh = run.simulation->model().global.mesh;
-    const Eigen::VectorXd u = directSolution(mesh, Eigen::Map<const Eigen::VectorXd>(f.data(), Eigen::Index(f.size())),
-                                             run.simulation->model().global.prescribed);
+    const Eigen::VectorXd u = directSolution(run.source.mesh, Eigen::Map<const Eigen::VectorXd>(f.data(), Eigen::Index(f.size())),
+                                             prescribed);
     const Eigen::Map<const Eigen::VectorXd> ours(result.displacement.data(), Eigen::Index(result.displacement.size()));
     out << preconditioner << ": " << result.report.solver.hessianMultiplications << " multiplications, difference "
         << (u - ours).lpNorm<Eigen::Infinity>() / u.lpNorm<Eigen::Infinity>() << "\n";

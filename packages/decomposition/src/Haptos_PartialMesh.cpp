@@ -1,0 +1,204 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_PartialMesh.hpp"
+
+#include <Teuchos_DefaultSerialComm.hpp>
+#include <algorithm>
+#include <numeric>
+
+#include "Haptos_ByteBuffer.hpp"
+#include "Haptos_Rendezvous.hpp"
+
+namespace Haptos {
+namespace {
+
+using Index = std::int64_t;
+
+struct NodeData {
+  Index index;
+  std::array<double, 3> x;
+  Index number;
+};
+
+// Ascending, each once.  Where they lie close together they are marked, not sorted.
+std::vector<Index> eachOnce(std::vector<Index> values) {
+  if (values.empty()) return values;
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  const Index first = *low, spread = *high - first + 1;
+  if (spread > Index(values.size())) {
+    std::sort(values.begin(), values.end());
+    values.erase(std::unique(values.begin(), values.end()), values.end());
+    values.shrink_to_fit();
+    return values;
+  }
+  std::vector<char> isThere(std::size_t(spread), 0);
+  for (Index value : values) isThere[std::size_t(value - first)] = 1;
+  values.clear();
+  for (Index i = 0; i < spread; ++i)
+    if (isThere[std::size_t(i)]) values.push_back(first + i);
+  values.shrink_to_fit();
+  return values;
+}
+
+// Position of a value that is there.
+Index positionOf(const std::vector<Index>& ascending, Index value) {
+  if (ascending.back() - ascending.front() + 1 == Index(ascending.size())) return value - ascending.front();
+  return std::lower_bound(ascending.begin(), ascending.end(), value) - ascending.begin();
+}
+
+// Names and topologies, without any element, side or node.
+Mesh emptyLike(const Mesh& mesh) {
+  Mesh result;
+  for (const auto& block : mesh.blocks) result.blocks.push_back({block.id, block.name, block.topology, {}});
+  for (const auto& set : mesh.sideSets) result.sideSets.push_back({set.id, set.name, {}});
+  for (const auto& set : mesh.nodeSets) result.nodeSets.push_back({set.id, set.name, {}});
+  return result;
+}
+
+std::vector<std::vector<int>> elementsByRank(const std::vector<int>& rankOf, int ranks) {
+  std::vector<std::vector<int>> result(static_cast<std::size_t>(ranks));
+  for (std::size_t e = 0; e < rankOf.size(); ++e)
+    if (rankOf[e] >= 0) result[std::size_t(rankOf[e])].push_back(int(e));
+  return result;
+}
+
+struct SentSide {
+  Index element;  // in the whole mesh
+  int set, side;
+};
+
+std::vector<std::vector<SentSide>> sidesByRank(const PartialMesh& from, const std::vector<int>& rankOf, int ranks) {
+  std::vector<std::vector<SentSide>> result(static_cast<std::size_t>(ranks));
+  for (std::size_t set = 0; set < from.mesh.sideSets.size(); ++set)
+    for (const auto& side : from.mesh.sideSets[set].sides)
+      if (const int rank = rankOf[std::size_t(side.element)]; rank >= 0)
+        result[std::size_t(rank)].push_back({from.elements[std::size_t(side.element)], int(set), side.side});
+  return result;
+}
+
+// Block by block: elements, their numbers, tags and nodes; then the nodes themselves.
+Bytes packElements(const PartialMesh& from, const std::vector<int>& chosen, const std::vector<int>& tags) {
+  ByteWriter writer;
+  std::vector<Index> used;
+  std::size_t at = 0;
+  Index first = 0;
+  for (const auto& block : from.mesh.blocks) {
+    const Index n = nodesPerElement(block.topology), end = first + Index(block.numElements());
+    std::vector<Index> elements, numbers, connectivity;
+    std::vector<int> tagsHere;
+    for (; at < chosen.size() && chosen[at] < end; ++at) {
+      const auto e = std::size_t(chosen[at]);
+      elements.push_back(from.elements[e]);
+      numbers.push_back(from.mesh.elementNumbers[e]);
+      tagsHere.push_back(tags[e]);
+      const Index* nodes = block.connectivity.data() + (Index(e) - first) * n;
+      for (Index i = 0; i < n; ++i) connectivity.push_back(from.nodes[std::size_t(nodes[i])]);
+      used.insert(used.end(), nodes, nodes + n);
+    }
+    writer.write(elements);
+    writer.write(numbers);
+    writer.write(tagsHere);
+    writer.write(connectivity);
+    first = end;
+  }
+  std::vector<NodeData> nodes;
+  for (Index i : eachOnce(std::move(used)))
+    nodes.push_back({from.nodes[std::size_t(i)], from.mesh.coordinates[std::size_t(i)], from.mesh.nodeNumbers[std::size_t(i)]});
+  writer.write(nodes);
+  return writer.take();
+}
+
+template <class T>
+void append(std::vector<T>& all, const std::vector<T>& more) {
+  all.insert(all.end(), more.begin(), more.end());
+}
+
+void setNodes(std::vector<NodeData> nodes, PartialMesh& part) {
+  std::sort(nodes.begin(), nodes.end(), [](const NodeData& a, const NodeData& b) { return a.index < b.index; });
+  for (const NodeData& node : nodes) {
+    if (!part.nodes.empty() && part.nodes.back() == node.index) continue;  // it came from several ranks
+    part.nodes.push_back(node.index);
+    part.mesh.coordinates.push_back(node.x);
+    part.mesh.nodeNumbers.push_back(node.number);
+  }
+  for (auto& block : part.mesh.blocks)
+    for (Index& node : block.connectivity) node = positionOf(part.nodes, node);
+}
+
+SentElements unpackElements(const Mesh& names, std::vector<Bytes>& messages) {
+  SentElements result;
+  PartialMesh& part = result.part;
+  part.mesh = emptyLike(names);
+  struct OfBlock {
+    std::vector<Index> elements, numbers;
+    std::vector<int> tags;
+  };
+  std::vector<OfBlock> blocks(names.blocks.size());
+  std::vector<NodeData> nodes;
+  for (auto& message : messages) {
+    ByteReader reader(message);
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      append(blocks[b].elements, reader.readVector<Index>());
+      append(blocks[b].numbers, reader.readVector<Index>());
+      append(blocks[b].tags, reader.readVector<int>());
+      append(part.mesh.blocks[b].connectivity, reader.readVector<Index>());
+    }
+    append(nodes, reader.readVector<NodeData>());
+    message = {};
+  }
+  for (const auto& block : blocks) {
+    append(part.elements, block.elements);
+    append(part.mesh.elementNumbers, block.numbers);
+    append(result.tags, block.tags);
+  }
+  setNodes(std::move(nodes), part);
+  return result;
+}
+
+}  // namespace
+
+OwnElements completeElements(const Communicator& comm, const MeshShare& share) {
+  OwnElements own;
+  PartialMesh& part = own.part;
+  part.mesh = emptyLike(share.part);
+  std::vector<Index> nodes;
+  for (std::size_t b = 0; b < share.part.blocks.size(); ++b) {
+    part.mesh.blocks[b].connectivity = share.part.blocks[b].connectivity;
+    append(nodes, share.part.blocks[b].connectivity);
+  }
+  part.nodes = eachOnce(std::move(nodes));
+  for (auto& block : part.mesh.blocks)
+    for (Index& node : block.connectivity) node = positionOf(part.nodes, node);
+  own.nodes = share.nodes;
+  own.elements = share.elements;
+  own.rank = share.rank;
+  part.elements.resize(std::size_t(share.endElement() - share.firstElement()));
+  std::iota(part.elements.begin(), part.elements.end(), share.firstElement());
+  part.mesh.elementNumbers = share.part.elementNumbers;
+  for (std::size_t set = 0; set < share.part.sideSets.size(); ++set)
+    for (const auto& side : share.part.sideSets[set].sides)
+      part.mesh.sideSets[set].sides.push_back({side.element - share.firstElement(), side.side});
+
+  const RemoteValues remote(comm, share.nodes, part.nodes);
+  std::vector<int> askers(share.part.coordinates.size(), 0);
+  for (const auto& places : remote.asked())
+    for (Index place : places) ++askers[std::size_t(place)];
+  for (const int count : askers) own.isUsed.push_back(count > 0);
+  part.mesh.coordinates = remote.fetch([&](Index place) { return share.part.coordinates[std::size_t(place)]; });
+  part.mesh.nodeNumbers = remote.fetch([&](Index place) { return share.part.nodeNumbers[std::size_t(place)]; });
+  own.isShared = remote.fetch([&](Index place) { return char(askers[std::size_t(place)] > 1); });
+  return own;
+}
+
+SentElements sendElements(const Communicator& comm, const PartialMesh& from, const std::vector<int>& rankOf, const std::vector<int>& tags) {
+  std::vector<Bytes> messages;
+  for (const auto& chosen : elementsByRank(rankOf, comm.getSize())) messages.push_back(packElements(from, chosen, tags));
+  messages = exchangeAll(comm, messages);
+  SentElements result = unpackElements(from.mesh, messages);
+  for (const auto& side : joined(exchangeValues(comm, sidesByRank(from, rankOf, comm.getSize()))))
+    result.part.mesh.sideSets[std::size_t(side.set)].sides.push_back({positionOf(result.part.elements, side.element), side.side});
+  return result;
+}
+
+OwnElements wholeMesh(const Mesh& mesh) { return completeElements(Teuchos::SerialComm<int>(), sliceOfMesh(mesh, 0, 1)); }
+
+}  // namespace Haptos
