@@ -152,7 +152,7 @@ inline Scene makeScene(const SceneOptions& o) {
 /// tied pairs, single ones and lists; a rigid obstacle.  Some nodes are prescribed in one component, on one side or on both.
 inline Scene makeListScene(bool frictional = true, int subdomains = 7) {
   SceneOptions o;
-  o.lower = o.upper = {5, 3, 2};
+  o.lower = o.upper = {5, 4, 2};
   o.subdomains = subdomains;
   o.frictional = frictional;
   o.hold = [](int body, const Point& x) {

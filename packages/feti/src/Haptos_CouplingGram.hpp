@@ -36,6 +36,7 @@ class CouplingGram {
   const Eigen::VectorXd& nodeDiagonal() const { return nodeDiagonal_; }
   /// @}
 
+  bool hasFactors() const { return isAnyHeld_; }  ///< whether some rank solves with a sparse factor
   int numDropped() const { return factor_.numDropped(); }  ///< unknowns that depend on others, of this rank's factor
 
  private:
