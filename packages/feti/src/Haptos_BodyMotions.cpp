@@ -25,10 +25,10 @@ void sumOverRanks(const Communicator& comm, Packed& values) {
 Eigen::MatrixXd motionsWithoutEnergy(const Eigen::Matrix<double, 6, 6>& U, const Eigen::Matrix<double, 6, 6>& N) {
   constexpr double kInside = 1e-10;
   if (U.cwiseAbs().maxCoeff() <= kInside * N.trace()) return Eigen::MatrixXd::Identity(6, 6);
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(U);
+  const SymmetricEigen eigen(U);
   Eigen::Index k = 0;
-  while (k < 6 && eigen.eigenvalues()[k] <= kInside * N.trace()) ++k;
-  return eigen.eigenvectors().leftCols(k);
+  while (k < 6 && eigen.values[k] <= kInside * N.trace()) ++k;
+  return eigen.vectors.leftCols(k);
 }
 
 }  // namespace
