@@ -5,6 +5,7 @@
 #include "DenseContact.hpp"
 #include "Haptos_Continuation.hpp"
 #include "Haptos_FoundationStart.hpp"
+#include "Haptos_SubspaceDescent.hpp"
 
 namespace {
 
@@ -177,6 +178,82 @@ TEUCHOS_UNIT_TEST(ContinuationPolicy, LevelsLeadToTheTrueLaw) {
   sameAs(coefficients(ofThin.detour(0), 1), {0.2, 0.08, 0.032, 0.0128, 0.00512, 0.002048});
   TEST_EQUALITY(ofThin.first(true).tolerance, options.levelTolerance);
   TEST_EQUALITY(ofThin.detour(0).patience, options.detourPatience);
+}
+
+// Independent of each other for different j, which `numbers` are not: sines of one frequency span two dimensions.
+DenseVector wave(Eigen::Index n, int j) {
+  return DenseVector::NullaryExpr(n, [j](Eigen::Index i) { return std::sin(0.7 + j + (1.3 + 0.37 * j) * double(i)); });
+}
+
+// Pairs, a state and its law on all ranks; the residual in the span as a dense vector of all rows.
+struct Span {
+  Parts parts{kGroups, kGluing, false};
+  RecycledSubspace subspace{parts.vectors};
+  Eigen::VectorXd r = Eigen::VectorXd::Constant(parts.vectors.numPairs(), 1.3);
+  NewtonState state{parts.local(numbers(parts.GT.rows(), 0.8)), parts.local(numbers(parts.GT.rows(), 1.9))};
+  LawLinearization law = lawAt(state);
+
+  explicit Span(int pairs) {
+    for (int j = 0; j < pairs; ++j)
+      subspace.add(parts.local(wave(parts.GT.rows(), 2 * j)), parts.local(wave(parts.GT.rows(), 2 * j + 1)));
+  }
+  LawLinearization lawAt(const NewtonState& at) const {
+    return linearizeLaw(parts.dual.pairs, parts.vectors.contact(at.lambda), parts.vectors.contact(at.s), r);
+  }
+  NewtonState at(const Eigen::VectorXd& y) const {
+    NewtonState moved = state;
+    subspace.addCombination(y, moved.lambda, moved.s);
+    return moved;
+  }
+  /// (s_E, contact values)
+  DenseVector residual(const Eigen::VectorXd& s, const Eigen::VectorXd& contact) const {
+    Eigen::VectorXd all = s;
+    parts.vectors.setContact(all, contact);
+    return parts.global(all);
+  }
+};
+
+TEUCHOS_UNIT_TEST(SmallSystem, IsTheLinearisedLawOfAllRanks) {
+  constexpr int kPairs = 5;
+  const Span t(kPairs);
+  const auto projected = t.subspace.projectGluing(t.parts.vectors.gluing(t.state.s));
+  const SmallSystem system(t.subspace, t.law, projected.inside, t.parts.vectors.comm());
+  const Eigen::VectorXd zero = Eigen::VectorXd::Zero(t.state.s.size());
+  DenseMatrix M(t.parts.GT.rows(), kPairs);
+  for (int j = 0; j < kPairs; ++j) {
+    Eigen::VectorXd v = zero, s = zero;
+    t.subspace.addCombination(Eigen::VectorXd::Unit(kPairs, j), v, s);
+    M.col(j) = t.residual(s, t.law.multiply(t.parts.vectors.contact(v), t.parts.vectors.contact(s)));
+  }
+  const DenseVector b = -t.residual(t.state.s, t.law.phi), wanted = M.completeOrthogonalDecomposition().solve(b);
+  const Eigen::VectorXd y = system.solve();
+  TEST_COMPARE((y - wanted).norm(), <, 1e-10 * wanted.norm());
+  TEST_FLOATING_EQUALITY(std::hypot(std::sqrt(projected.outside2()), system.residual(y)), (M * y - b).norm(), 1e-10);
+  // damped steps are shorter, the more the harder
+  TEST_COMPARE(system.solve(1.0).norm(), <, system.solve(1e-2).norm());
+  TEST_COMPARE(system.solve(1e-2).norm(), <, y.norm());
+}
+
+TEUCHOS_UNIT_TEST(SubspaceDescent, LowersTheResidualOfTheLawItself) {
+  const Span t(6);
+  const SubspaceNewtonOptions::Steps options;
+  const auto normAt = [&](const Eigen::VectorXd& y) {
+    const NewtonState moved = t.at(y);
+    return t.residual(moved.s, t.lawAt(moved).phi).norm();
+  };
+  const double before = normAt(Eigen::VectorXd::Zero(6));
+  SubspaceDescent descent({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options}, t.state, t.law, before);
+  descent.run(false, before);
+  const double after = normAt(descent.y());
+  TEST_COMPARE(after, <, 0.99 * before);
+  const Eigen::VectorXd phi = descent.takeLaw().phi;
+  TEST_COMPARE(t.parts.vectors.norm(phi - t.lawAt(t.at(descent.y())).phi), <, 1e-10 * before);
+  // what is worse is not taken, what is better is
+  SubspaceDescent other({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options}, t.state, t.law, before);
+  other.tryStep(Eigen::VectorXd::Constant(6, 1e3 * before));
+  TEST_EQUALITY(other.y().norm(), 0.0);
+  other.tryStep(descent.y());
+  TEST_EQUALITY((other.y() - descent.y()).norm(), 0.0);
 }
 
 }  // namespace
