@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Teuchos_ParameterList.hpp>
+#include <Teuchos_VerboseObject.hpp>
 #include <functional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -30,18 +32,19 @@ class OptionTable : public std::vector<Option<Options>> {
     for (const auto& option : base) this->push_back({option.spec, option.get, option.set});
   }
 
-  /// Types and default follow from the member, a chosen value's words from its `Choices`.
-  template <class Owner, class T>
-  OptionTable& add(const std::string& name, T Owner::*member, const std::string& meaning);
-  template <class Owner, class T>
-  OptionTable& add(const std::string& name, T Owner::*member, NumberRange range, const std::string& meaning) {
+  /// \param member a pointer to it, or a function of the options that returns a reference to it.  Types and default follow from it,
+  /// a chosen value's words from its `Choices`.
+  template <class Member>
+  OptionTable& add(const std::string& name, Member member, const std::string& meaning);
+  template <class Member>
+  OptionTable& add(const std::string& name, Member member, NumberRange range, const std::string& meaning) {
     add(name, member, meaning);
     this->back().spec.within(range);
     return *this;
   }
   /// `other`'s parameter of that name, for a member of this class.
-  template <class Other, class Owner, class T>
-  OptionTable& addFrom(const OptionTable<Other>& other, const std::string& name, T Owner::*member) {
+  template <class Other, class Member>
+  OptionTable& addFrom(const OptionTable<Other>& other, const std::string& name, Member member) {
     for (const auto& option : other)
       if (option.spec.name == name) add(name, member, option.spec.range, option.spec.meaning);
     return *this;
@@ -49,16 +52,17 @@ class OptionTable : public std::vector<Option<Options>> {
 };
 
 template <class Options>
-template <class Owner, class T>
-OptionTable<Options>& OptionTable<Options>::add(const std::string& name, T Owner::*member, const std::string& meaning) {
+template <class Member>
+OptionTable<Options>& OptionTable<Options>::add(const std::string& name, Member member, const std::string& meaning) {
+  using T = std::decay_t<std::invoke_result_t<Member, Options&>>;
   Option<Options> option{ParameterSpec(name, {}, meaning),
                          [member](const Options& o) -> ParameterValue {
-                           if constexpr (HasChoices<T>::value) return std::string(nameOf(o.*member));
-                           else return o.*member;
+                           if constexpr (HasChoices<T>::value) return std::string(nameOf(std::invoke(member, o)));
+                           else return std::invoke(member, o);
                          },
                          [member](Options& o, const ParameterValue& value) {
-                           if constexpr (HasChoices<T>::value) o.*member = choiceNamed<T>(std::get<std::string>(value));
-                           else o.*member = std::get<T>(value);
+                           if constexpr (HasChoices<T>::value) std::invoke(member, o) = choiceNamed<T>(std::get<std::string>(value));
+                           else std::invoke(member, o) = std::get<T>(value);
                          }};
   const ParameterValue standard = option.get(Options{});
   option.spec.types = {typeOf(standard)};
@@ -92,11 +96,20 @@ Options readOptions(const Teuchos::ParameterList& list, const std::string& path,
   return options;
 }
 
-/// \brief Refuses what `Options` does not have.  \throws InputError with the nearest name that there is
+/// \brief What a solver manager is told: old names become new ones, with a warning on Teuchos' default output, and all defaults are set.
+///
+/// \param manager its name, for messages
+/// \throws InputError for a wrong type or value, or an unknown name, with the nearest valid one
 template <class Options>
-void requireKnownNames(const Teuchos::ParameterList& list, const std::string& path) {
+Options readManagerParameters(Teuchos::ParameterList& list, const std::string& manager, const std::vector<ParameterAlias>& aliases) {
+  for (const auto& warning : resolveAliases(aliases, list, manager))
+    *Teuchos::VerboseObjectBase::getDefaultOStream() << "warning: " << warning << std::endl;
   std::vector<std::string> names;
   for (const auto& option : Options::table()) names.push_back(option.spec.name);
-  requireKnownNames(list, names, path);
+  requireKnownNames(list, names, manager);
+  const auto options = readOptions<Options>(list, manager);
+  list.setParameters(listOf(options, manager));
+  return options;
 }
+
 }  // namespace Haptos

@@ -3,6 +3,8 @@
 #include <array>
 #include <vector>
 
+#include "Haptos_Options.hpp"
+
 namespace Haptos {
 
 /// \brief All numbers that steer the subspace Newton method, each with what speaks for it.
@@ -11,9 +13,9 @@ namespace Haptos {
 /// Counts in the comments are of the two beams at kkt 1e-6.  Thresholds that only tell zero from round-off stand where they are used.
 struct SubspaceNewtonOptions {
   double tolerance = 1e-6;           ///< what the status test's residual is compared with
-  int maximumMultiplications = 5000;
+  int maximumMultiplications = SolverOptions{}.maximumMultiplications;
   /// Memory, not convergence: 30 pairs were enough on the two beams, 15 were not.
-  int maximumPairs = 300;
+  int maximumPairs = SolverOptions{}.maximumRecycledPairs;
   /// r relative to the nodal stiffness where friction alone holds a body: at 0.98 of the sliding limit 1 runs away (1332 F),
   /// 0.3 takes 16.
   double floatingPenalty = 0.3;
@@ -124,6 +126,9 @@ struct SubspaceNewtonOptions {
   Balanced balanced;
   Condensed condensed;
   Foundation foundation;
+
+  /// \brief The parameters of `SubspaceNewtonSolMgr`: those that a user may want to change.
+  static const OptionTable<SubspaceNewtonOptions>& table();
 };
 
 }  // namespace Haptos

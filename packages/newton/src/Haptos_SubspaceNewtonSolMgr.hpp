@@ -4,9 +4,10 @@
 #include <Teuchos_ParameterList.hpp>
 #include <functional>
 #include <memory>
-#include <string>
+#include <optional>
 
 #include "Haptos_ContactProblem.hpp"
+#include "Haptos_Outcome.hpp"
 
 namespace Haptos {
 
@@ -46,8 +47,12 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   /// \throws std::invalid_argument for any other linear problem.
   void setProblem(const RCP<LinearProblem>& problem) override;
 
-  /// \throws InputError for a value out of range; Teuchos' exceptions for unknown names and wrong types.
+  /// \throws InputError for a value out of range, a wrong type, or an unknown name, with the nearest valid one.
   void setParameters(const RCP<Teuchos::ParameterList>& parameters) override;
+
+  /// \brief The same, typed, with the numbers that are no parameters.
+  void setOptions(const SubspaceNewtonOptions& options);
+  const SubspaceNewtonOptions& options() const { return *options_; }
 
   /// \brief Replaces the built-in test || (s_E, phi) || / || s of the start ||.
   void setStatusTest(StatusTest test) { hooks_.statusTest = std::move(test); }
@@ -63,11 +68,11 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   /// with all pairs, which depend on F and G alone.
   void goOn();
 
-  /// \brief Converged or Unconverged; `reason()` says why.  Collective.
+  /// \brief Converged or Unconverged; `outcome()` says why.  Collective.
   /// \throws std::runtime_error on break-down.
   Belos::ReturnType solve() override;
 
-  const std::string& reason() const { return reason_; }  ///< "converged", "limit of Hessian multiplications", "stagnation"
+  Outcome outcome() const { return *outcome_; }  ///< after solve()
   RCP<const Vector> jumps() const;  ///< s = h - F lambda + G^T a [length] of the result
   long hessianApplications() const;  ///< since setProblem
 
@@ -84,19 +89,18 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
   double achievedTol() const override;
   int getNumIters() const override;
-  bool isLOADetected() const override { return reason_ == stagnation(); }
+  bool isLOADetected() const override { return outcome_ == Outcome::Stalled; }
   void reset(const Belos::ResetType type) override;
 
  private:
   SubspaceNewtonRun& run();
-  static const char* stagnation() { return "stagnation"; }
 
   RCP<ContactProblem> problem_;
   RCP<Teuchos::ParameterList> parameters_;
   std::unique_ptr<SubspaceNewtonOptions> options_;  // typed parameters_
   Hooks hooks_;
   std::unique_ptr<SubspaceNewtonRun> run_;  // since setProblem, from the first use on
-  std::string reason_;
+  std::optional<Outcome> outcome_;
 };
 
 /// \brief Registers "Haptos Subspace Newton" with Belos::SolverFactory; may be called more than once.

@@ -11,6 +11,7 @@
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_RemoteRows.hpp"
+#include "Haptos_SubspaceNewtonOptions.hpp"
 
 namespace {
 
@@ -69,7 +70,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, SolvesDenseContactThroughBelos) {
       TEST_EQUALITY(manager->hessianApplications(), long(t.F->applications));
       TEST_ASSERT(kkt.open > 0 && kkt.slip > 3 && kkt.stick > 0);
       TEST_ASSERT(solver->getNumIters() > 5 && manager->subspace().memoryMb > 0);
-      TEST_EQUALITY(manager->reason(), std::string("converged"));
+      TEST_ASSERT(manager->outcome() == Outcome::Converged);
     }
 }
 
@@ -218,7 +219,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, FewPairsGiveTheSameAnswer) {
     Setup all(makeContact(40, 30, floating, 2)), few(makeContact(40, 30, floating, 2));
     Manager a, b;
     const auto p = withTolerance(1e-10);
-    p->set("Maximum Pairs", 20);
+    p->set("Maximum Recycled Pairs", 20);
     b.setParameters(p);
     a.setParameters(withTolerance(1e-10));
     for (auto [manager, setup] : {std::pair{&a, &all}, {&b, &few}}) {
@@ -246,7 +247,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, LimitAndStagnationAreReportedNotThrown) 
   manager.setParameters(p);
   manager.setProblem(t.problem);
   TEST_EQUALITY(manager.solve(), Belos::Unconverged);
-  TEST_EQUALITY(manager.reason(), std::string("limit of Hessian multiplications"));
+  TEST_ASSERT(manager.outcome() == Outcome::MultiplicationLimit);
   TEST_COMPARE(t.F->applications, <=, 7);
   Setup u(makeContact(40, 30, false, 1));
   Manager never;
@@ -266,7 +267,25 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RefusesWrongParametersAndProblems) {
   }
   const auto q = rcp(new Teuchos::ParameterList);
   q->set("Patients", 1);
-  TEST_THROW(m.setParameters(q), std::logic_error);
+  try {
+    m.setParameters(q);
+    TEST_ASSERT(false);
+  } catch (const InputError& e) {
+    TEST_ASSERT(std::string(e.what()).find("'Patience'") != std::string::npos);
+  }
+  const auto old = rcp(new Teuchos::ParameterList);
+  old->set("Maximum Pairs", 50);
+  m.setParameters(old);
+  TEST_EQUALITY(m.options().maximumPairs, 50);
+  auto options = m.options();
+  options.continuation.aim = 0.2;  // no parameter
+  options.continuation.patience = 7;
+  m.setOptions(options);
+  TEST_EQUALITY(m.options().continuation.aim, 0.2);
+  TEST_EQUALITY(m.getCurrentParameters()->get<int>("Patience"), 7);
+  options.continuation.patience = 0;
+  TEST_THROW(m.setOptions(options), InputError);
+  TEST_EQUALITY(m.options().continuation.patience, 7);  // what was refused changed nothing
   Setup t(makeContact(10, 12, false, 1));
   const auto plain = rcp(new Belos::LinearProblem<double, MultiVector, Operator>(t.F, t.lambda, t.vectorOf(t.d.h)));
   TEST_THROW(m.setProblem(plain), std::invalid_argument);

@@ -24,20 +24,19 @@ const OptionTable<SmalseSolMgrOptions>& SmalseSolMgrOptions::table() {
 
 namespace Details {
 
+constexpr const char* kName = "Haptos SMALSE";
+
 SmalseSolMgrOptions readSmalseParameters(Teuchos::ParameterList& list) {
-  const std::string name = "Haptos SMALSE";
-  static const std::vector<ParameterAlias> old = {{"M0", "M Factor"}, {"Eta0", "Eta Factor"}, {"Alpha Factor", "Step Length"}};
-  auto warnings = resolveAliases(old, list, name);
   if (list.isType<std::string>("Expansion") && list.get<std::string>("Expansion") == "Fixed") {
     list.set("Expansion", std::string(nameOf(Expansion::FixedStep)));
-    warnings.push_back(name + "->Expansion: Fixed is outdated; write '" + nameOf(Expansion::FixedStep) + "'");
+    *Teuchos::VerboseObjectBase::getDefaultOStream() << "warning: " << kName << "->Expansion: Fixed is outdated; write '"
+                                                     << nameOf(Expansion::FixedStep) << "'" << std::endl;
   }
-  for (const auto& warning : warnings) *Teuchos::VerboseObjectBase::getDefaultOStream() << "warning: " << warning << std::endl;
-  requireKnownNames<SmalseSolMgrOptions>(list, name);
-  return readOptions<SmalseSolMgrOptions>(list, name);
+  return readManagerParameters<SmalseSolMgrOptions>(
+      list, kName, {{"M0", "M Factor"}, {"Eta0", "Eta Factor"}, {"Alpha Factor", "Step Length"}});
 }
 
-Teuchos::ParameterList smalseParameters(const SmalseSolMgrOptions& options) { return listOf(options, "Haptos SMALSE"); }
+Teuchos::ParameterList smalseParameters(const SmalseSolMgrOptions& options) { return listOf(options, kName); }
 
 }  // namespace Details
 

@@ -11,7 +11,7 @@
 namespace Haptos {
 namespace Details {
 
-/// \brief Checked, with all defaults; old names become new ones in `list`.
+/// \brief Checked; `list` gets all defaults, and new names for old ones.
 SmalseSolMgrOptions readSmalseParameters(Teuchos::ParameterList& list);
 Teuchos::ParameterList smalseParameters(const SmalseSolMgrOptions& options);
 
@@ -42,7 +42,6 @@ void SmalseSolMgr<Scalar, MV, OP>::setParameters(const RCP<Teuchos::ParameterLis
   const RCP<Teuchos::ParameterList> p =
       parameters.is_null() ? Teuchos::rcp(new Teuchos::ParameterList) : parameters;
   options_ = Details::readSmalseParameters(*p);
-  p->setParameters(Details::smalseParameters(options_));
   parameters_ = p;
 }
 

@@ -8,6 +8,7 @@
 
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_KktEstimator.hpp"
+#include "Haptos_SubspaceNewtonOptions.hpp"
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
 
 namespace Haptos {
@@ -53,7 +54,6 @@ struct SubspaceNewtonSolver::Impl {
   SubspaceNewtonSolMgr manager;
   SolveRequest request{};
   DualSolution solution;
-  Outcome outcome = Outcome::Stalled;
   std::vector<HistoryEntry> history;
 
   Impl(SolverContext c, int maximumPairs)
@@ -61,9 +61,9 @@ struct SubspaceNewtonSolver::Impl {
         lambda(Teuchos::rcp(new MultiVector(context.start.is_null() ? *context.system.dual().lambdaIm : *context.start, Teuchos::Copy))),
         problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this] { return makeDeflated(); }), lambda))) {
     makeEstimator();
-    auto list = Teuchos::parameterList();
-    list->set("Maximum Pairs", maximumPairs);
-    manager.setParameters(list);
+    SubspaceNewtonOptions options;
+    options.maximumPairs = maximumPairs;
+    manager.setOptions(options);
     manager.setProblem(problem);
     manager.setStatusTest([this](const Vector& l, const Vector& s) { return estimateKkt(l, s); });
     manager.setObserver([this](const SubspaceNewtonRecord& record, const Vector& l) { keep(record, l); });
@@ -96,10 +96,10 @@ struct SubspaceNewtonSolver::Impl {
   void setRequest(const SolveRequest& r) {
     request = r;
     const long others = context.system.dual().F->applications() - manager.hessianApplications();
-    auto list = Teuchos::parameterList(*manager.getCurrentParameters());
-    list->set("Convergence Tolerance", request.tolerance);
-    list->set("Maximum Hessian Multiplications", int(std::max(1L, request.maximumMultiplications - others)));
-    manager.setParameters(list);
+    auto options = manager.options();
+    options.tolerance = request.tolerance;
+    options.maximumMultiplications = int(std::max(1L, request.maximumMultiplications - others));
+    manager.setOptions(options);
   }
 };
 
@@ -122,14 +122,13 @@ bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   Impl& impl = *impl_;
   impl.setRequest(request);
   const bool passed = impl.manager.solve() == Belos::Converged;
-  impl.outcome = passed ? Outcome::Converged : impl.manager.isLOADetected() ? Outcome::Stalled : Outcome::MultiplicationLimit;
   impl.solution.lambda = Teuchos::rcp(new Vector(*impl.lambda->getVector(0), Teuchos::Copy));
   impl.solution.s = Teuchos::rcp(new Vector(*impl.manager.jumps(), Teuchos::Copy));
   return passed;
 }
 
 const DualSolution& SubspaceNewtonSolver::solution() const { return impl_->solution; }
-Outcome SubspaceNewtonSolver::outcome() const { return impl_->outcome; }
+Outcome SubspaceNewtonSolver::outcome() const { return impl_->manager.outcome(); }
 int SubspaceNewtonSolver::outerIterations() const { return impl_->manager.getNumIters(); }
 const std::vector<HistoryEntry>& SubspaceNewtonSolver::history() const { return impl_->history; }
 bool SubspaceNewtonSolver::gaveUp() const { return impl_->manager.isLOADetected(); }
