@@ -4,11 +4,10 @@
 #include <functional>
 #include <vector>
 
+#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Communication.hpp"
 
 namespace Haptos {
-
-using Bytes = std::vector<char>;
 
 /// \brief Bytes that somebody else keeps.
 struct ByteView {

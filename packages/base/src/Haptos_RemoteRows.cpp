@@ -23,12 +23,16 @@ Eigen::VectorXd valuesOf(const Vector& v) {
 
 }  // namespace
 
+RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& indices, const RCP<const Communicator>& comm) {
+  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
+                              Teuchos::ArrayView<const GlobalOrdinal>(indices.data(), Teuchos_Ordinal(indices.size())), 0, comm));
+}
+
 // Some of the rows that this rank owns, in this order, under their own global indices.
 RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows) {
   std::vector<GlobalOrdinal> global;
   for (int row : rows) global.push_back(map.getGlobalElement(row));
-  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                              Teuchos::ArrayView<const GlobalOrdinal>(global.data(), int(global.size())), map.getIndexBase(), map.getComm()));
+  return mapOf(global, map.getComm());
 }
 
 RemoteRows::RemoteRows(RCP<const Map> map, const RCP<const Map>& overlapMap)

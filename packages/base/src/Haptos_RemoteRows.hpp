@@ -8,6 +8,9 @@
 
 namespace Haptos {
 
+/// \brief Global indices of every rank, each on one or, in an overlapping map, on several.  Collective.
+RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& indices, const RCP<const Communicator>& comm);
+
 /// \brief Some rows of a map, local in it, in the order given.  Collective.
 RCP<const Map> mapOfRows(const Map& map, const std::vector<int>& rows);
 

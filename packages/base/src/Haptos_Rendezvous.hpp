@@ -2,8 +2,7 @@
 #pragma once
 #include <Teuchos_Comm.hpp>
 #include <cstdint>
-#include <cstring>
-#include <type_traits>
+#include <utility>
 #include <vector>
 
 #include "Haptos_EvenRanges.hpp"
@@ -11,31 +10,60 @@
 
 namespace Haptos {
 
+// Values that ranks send each other: whatever a ByteWriter takes.
+
+/// \brief `exchangeAll` of values: outgoing[r] goes to rank r, what rank s sent stands at s.  Collective.
+template <class T>
+std::vector<std::vector<T>> exchangeValues(const Communicator& comm, const std::vector<std::vector<T>>& outgoing) {
+  std::vector<Bytes> messages;
+  for (const auto& list : outgoing) {
+    ByteWriter writer;
+    writer.writeAll(list);
+    messages.push_back(writer.take());
+  }
+  messages = exchangeAll(comm, messages);
+  std::vector<std::vector<T>> incoming(messages.size());
+  for (std::size_t r = 0; r < messages.size(); ++r) {
+    ByteReader(messages[r]).readAll(incoming[r]);
+    messages[r] = {};
+  }
+  return incoming;
+}
+
+/// \brief One value to every rank, one from every rank.  What was sent is let go on the way.  Collective.
+template <class T>
+std::vector<T> exchangeEach(const Communicator& comm, std::vector<T> outgoing) {
+  std::vector<Bytes> messages;
+  for (T& value : outgoing) {
+    ByteWriter writer;
+    writer.write(std::exchange(value, T{}));
+    messages.push_back(writer.take());
+  }
+  messages = exchangeAll(comm, messages);
+  for (std::size_t r = 0; r < messages.size(); ++r) {
+    outgoing[r] = ByteReader(messages[r]).read<T>();
+    messages[r] = {};
+  }
+  return outgoing;
+}
+
 /// \brief Sends every item to a rank and returns what came here, by sender and in the sender's order.  Collective.
 ///
-/// \param items plain data; \param rankOf the receiver of an item
+/// \param rankOf the receiver of an item
 /// \param countFrom [ranks], if not null: how many came from every rank
 template <class T, class RankOf>
 std::vector<T> sendItems(const Communicator& comm, const std::vector<T>& items, const RankOf& rankOf,
                          std::vector<std::size_t>* countFrom = nullptr) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  std::vector<Bytes> outgoing(std::size_t(comm.getSize()));
-  for (const T& item : items) {
-    Bytes& to = outgoing[std::size_t(rankOf(item))];
-    const char* bytes = reinterpret_cast<const char*>(&item);
-    to.insert(to.end(), bytes, bytes + sizeof(T));
-  }
-  const auto incoming = exchangeAll(comm, outgoing);
-  outgoing.clear();
-  std::size_t size = 0;
-  for (const auto& message : incoming) size += message.size() / sizeof(T);
-  std::vector<T> received(size);
+  std::vector<ByteWriter> outgoing(std::size_t(comm.getSize()));
+  for (const T& item : items) outgoing[std::size_t(rankOf(item))].write(item);
+  std::vector<Bytes> messages;
+  for (ByteWriter& writer : outgoing) messages.push_back(writer.take());
+  std::vector<T> received;
   if (countFrom) countFrom->clear();
-  T* at = received.data();
-  for (const auto& message : incoming) {
-    if (!message.empty()) std::memcpy(static_cast<void*>(at), message.data(), message.size());
-    at += message.size() / sizeof(T);
-    if (countFrom) countFrom->push_back(message.size() / sizeof(T));
+  for (const Bytes& message : exchangeAll(comm, messages)) {
+    const std::size_t before = received.size();
+    ByteReader(message).readAll(received);
+    if (countFrom) countFrom->push_back(received.size() - before);
   }
   return received;
 }
@@ -47,39 +75,13 @@ std::vector<T> sendItems(const Communicator& comm, const std::vector<T>& items, 
 template <class A>
 std::vector<std::vector<A>> sendAnswers(const Communicator& comm, const std::vector<A>& answers,
                                         const std::vector<std::size_t>& countFrom) {
-  static_assert(std::is_trivially_copyable_v<A>);
-  std::vector<Bytes> outgoing;
-  const A* at = answers.data();
+  std::vector<std::vector<A>> outgoing;
+  auto at = answers.begin();
   for (const std::size_t count : countFrom) {
-    const char* bytes = reinterpret_cast<const char*>(at);
-    outgoing.emplace_back(bytes, bytes + count * sizeof(A));
-    at += count;
+    outgoing.emplace_back(at, at + std::ptrdiff_t(count));
+    at += std::ptrdiff_t(count);
   }
-  std::vector<std::vector<A>> received;
-  for (const auto& message : exchangeAll(comm, outgoing)) {
-    received.emplace_back(message.size() / sizeof(A));
-    if (!message.empty()) std::memcpy(static_cast<void*>(received.back().data()), message.data(), message.size());
-  }
-  return received;
-}
-
-/// \brief `exchangeAll` of plain values: outgoing[r] goes to rank r, what rank s sent stands at s.  Collective.
-template <class T>
-std::vector<std::vector<T>> exchangeValues(const Communicator& comm, const std::vector<std::vector<T>>& outgoing) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  std::vector<Bytes> messages(outgoing.size());
-  for (std::size_t r = 0; r < outgoing.size(); ++r) {
-    messages[r].resize(outgoing[r].size() * sizeof(T));
-    if (!messages[r].empty()) std::memcpy(messages[r].data(), outgoing[r].data(), messages[r].size());
-  }
-  messages = exchangeAll(comm, messages);
-  std::vector<std::vector<T>> incoming(messages.size());
-  for (std::size_t r = 0; r < messages.size(); ++r) {
-    incoming[r].resize(messages[r].size() / sizeof(T));
-    if (!messages[r].empty()) std::memcpy(incoming[r].data(), messages[r].data(), messages[r].size());
-    messages[r] = {};
-  }
-  return incoming;
+  return exchangeValues(comm, outgoing);
 }
 
 /// \brief Lists, one after the other.
@@ -90,50 +92,75 @@ std::vector<T> joined(const std::vector<std::vector<T>>& lists) {
   return all;
 }
 
-/// \brief Plain values of every rank, by rank, on all of them.  Collective.
+/// \brief Values of every rank, by rank, on all of them.  Collective.
 template <class T>
 std::vector<T> gatheredOnAll(const Communicator& comm, const std::vector<T>& mine) {
-  static_assert(std::is_trivially_copyable_v<T>);
-  Bytes message(mine.size() * sizeof(T));
-  if (!message.empty()) std::memcpy(message.data(), mine.data(), message.size());
+  ByteWriter writer;
+  writer.writeAll(mine);
   std::vector<T> all;
-  for (const Bytes& part : gatherOnAll(comm, message)) {
-    const std::size_t before = all.size();
-    all.resize(before + part.size() / sizeof(T));
-    if (!part.empty()) std::memcpy(all.data() + before, part.data(), part.size());
-  }
+  for (const Bytes& part : gatherOnAll(comm, writer.take())) ByteReader(part).readAll(all);
   return all;
 }
 
-/// \brief Asks the ranks that hold ranges of an index for values at some of its places, as often as one likes.
+/// \brief Values of every rank, by rank, on rank 0; empty elsewhere.  Collective.
+template <class T>
+std::vector<T> gatheredOnRoot(const Communicator& comm, const std::vector<T>& mine) {
+  return sendItems(comm, mine, [](const T&) { return 0; });
+}
+
+/// \brief The root's value on all ranks.  Collective.
+template <class T>
+T broadcasted(const Communicator& comm, const T& value, int root = 0) {
+  ByteWriter writer;
+  if (comm.getRank() == root) writer.write(value);
+  return ByteReader(gatherOnAll(comm, writer.take())[std::size_t(root)]).template read<T>();
+}
+
+/// \brief Places of an index that others hold ranges of, whose values are asked for, or added to, as often as one likes.
 class RemoteValues {
  public:
   /// \brief Collective.
   /// \param ranges who holds which indices
-  /// \param wanted ascending, each once; what this rank wants to know
+  /// \param wanted what this rank wants to know, in any order
   RemoteValues(const Communicator& comm, const EvenRanges& ranges, const std::vector<std::int64_t>& wanted) : comm_(comm) {
     std::vector<std::vector<std::int64_t>> places(std::size_t(comm.getSize()));
     for (auto index : wanted) {
-      const int owner = ranges.owner(index);
-      places[std::size_t(owner)].push_back(index - ranges.begin(owner));
+      owners_.push_back(ranges.owner(index));
+      places[std::size_t(owners_.back())].push_back(index - ranges.begin(owners_.back()));
     }
     asked_ = exchangeValues(comm, places);
   }
 
-  /// \brief Places in this rank's range that rank r asked for, ascending: [ranks].
+  /// \brief Places in this rank's range that rank r asked for, in its order: [ranks].
   const std::vector<std::vector<std::int64_t>>& asked() const { return asked_; }
 
-  /// \brief [wanted] what the holders' `valueAt(place in their range)` gives, a plain value.  Collective.
+  /// \brief [wanted] what the holders' `valueAt(place in their range)` gives.  Collective.
   template <class ValueAt>
   auto fetch(ValueAt&& valueAt) const {
-    std::vector<std::vector<std::decay_t<decltype(valueAt(std::int64_t(0)))>>> replies(asked_.size());
+    using T = std::decay_t<decltype(valueAt(std::int64_t(0)))>;
+    std::vector<std::vector<T>> replies(asked_.size());
     for (std::size_t r = 0; r < asked_.size(); ++r)
       for (auto place : asked_[r]) replies[r].push_back(valueAt(place));
-    return joined(exchangeValues(comm_, replies));
+    replies = exchangeValues(comm_, replies);
+    std::vector<std::size_t> next(replies.size(), 0);
+    std::vector<T> values;
+    for (const int owner : owners_) values.push_back(std::move(replies[std::size_t(owner)][next[std::size_t(owner)]++]));
+    return values;
+  }
+
+  /// \brief The way back: the holders' `take(place in their range, value)` gets values [wanted], by rank and in its order.  Collective.
+  template <class T, class Take>
+  void give(const std::vector<T>& values, Take&& take) const {
+    std::vector<std::vector<T>> outgoing(asked_.size());
+    for (std::size_t i = 0; i < values.size(); ++i) outgoing[std::size_t(owners_[i])].push_back(values[i]);
+    const auto incoming = exchangeValues(comm_, outgoing);
+    for (std::size_t r = 0; r < incoming.size(); ++r)
+      for (std::size_t i = 0; i < incoming[r].size(); ++i) take(asked_[r][i], incoming[r][i]);
   }
 
  private:
   const Communicator& comm_;
+  std::vector<int> owners_;                        // [wanted]
   std::vector<std::vector<std::int64_t>> asked_;
 };
 

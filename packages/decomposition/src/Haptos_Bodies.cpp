@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Bodies.hpp"
 
-#include <Teuchos_Comm.hpp>
 #include <algorithm>
 #include <set>
 #include <utility>
@@ -52,10 +51,10 @@ std::vector<Couple> piecesAtNodes(const Communicator& comm, const OwnElements& o
       else if (piece != pieceOf[element]) couples.emplace(piece, pieceOf[element]);
     }
   });
-  std::vector<std::vector<NodePiece>> toOwner(static_cast<std::size_t>(comm.getSize()));
+  std::vector<NodePiece> shared;
   for (std::size_t i = 0; i < pieceAt.size(); ++i)
-    if (own.isShared[i]) toOwner[std::size_t(own.nodes.owner(own.part.nodes[i]))].push_back({own.part.nodes[i], pieceAt[i]});
-  auto met = joined(exchangeValues(comm, toOwner));
+    if (own.isShared[i]) shared.push_back({own.part.nodes[i], pieceAt[i]});
+  auto met = sendItems(comm, shared, [&](const NodePiece& p) { return own.nodes.owner(p.node); });
   std::sort(met.begin(), met.end(), [](const NodePiece& a, const NodePiece& b) { return a.node < b.node; });
   for (std::size_t i = 1; i < met.size(); ++i)
     if (met[i].node == met[i - 1].node && met[i].piece != met[i - 1].piece) couples.emplace(met[i - 1].piece, met[i].piece);

@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Components.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <map>
-#include <numeric>
 #include <utility>
 
 #include "Haptos_Halo.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
@@ -44,10 +43,9 @@ class LabelSpreading {
 
   // [this rank's elements] lowest element of the component
   std::vector<Index> run() {
-    int changed = 1;
-    while (changed) {
-      const int hooked = hook(), mine = std::max(hooked, jump());
-      Teuchos::reduceAll(comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(changed));
+    for (bool changed = true; changed;) {
+      const bool hooked = hook(), jumped = jump();
+      changed = anyOfAll(comm_, hooked || jumped);
     }
     std::vector<Index> result;
     for (int p : part_) result.push_back(labels_[std::size_t(p)]);
@@ -82,31 +80,31 @@ class LabelSpreading {
   Index labelAt(Index place) const { return labels_[std::size_t(part_[std::size_t(place)])]; }
 
   // Takes lower labels from across the ranks, and passes them on to where the old label came from.
-  int hook() {
+  bool hook() {
     const auto outside = halo_.fetch([&](Index e) { return labelAt(e); });
-    std::vector<std::vector<Hook>> hooks(static_cast<std::size_t>(comm_.getSize()));
-    int changed = 0;
+    std::vector<Hook> hooks;
+    bool changed = false;
     for (const auto& [part, h] : crossings_) {
       const Index old = labels_[std::size_t(part)], found = outside[std::size_t(h)];
       if (!lower(part, found)) continue;
-      hooks[std::size_t(own_.elements.owner(old))].push_back({old, found});
-      changed = 1;
+      hooks.push_back({old, found});
+      changed = true;
     }
-    for (const Hook& hook : joined(exchangeValues(comm_, hooks)))
-      if (lower(part_[std::size_t(hook.root - first_)], hook.lower)) changed = 1;
+    for (const Hook& hook : sendItems(comm_, hooks, [&](const Hook& h) { return own_.elements.owner(h.root); }))
+      if (lower(part_[std::size_t(hook.root - first_)], hook.lower)) changed = true;
     return changed;
   }
 
   // The label of the element that lends its number.
-  int jump() {
+  bool jump() {
     std::vector<Index> roots = labels_;
     std::sort(roots.begin(), roots.end());
     roots.erase(std::unique(roots.begin(), roots.end()), roots.end());
     const auto above = RemoteValues(comm_, own_.elements, roots).fetch([&](Index place) { return labelAt(place); });
-    int changed = 0;
+    bool changed = false;
     for (std::size_t p = 0; p < labels_.size(); ++p) {
       const auto at = std::lower_bound(roots.begin(), roots.end(), labels_[p]) - roots.begin();
-      if (lower(int(p), above[std::size_t(at)])) changed = 1;
+      if (lower(int(p), above[std::size_t(at)])) changed = true;
     }
     return changed;
   }
@@ -121,28 +119,6 @@ class LabelSpreading {
 };
 
 }  // namespace
-
-DisjointSets::DisjointSets(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-int DisjointSets::lowest(int i) {
-  while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-  return i;
-}
-
-void DisjointSets::join(int a, int b) {
-  a = lowest(a), b = lowest(b);
-  parent_[std::max(a, b)] = std::min(a, b);
-}
-
-std::vector<int> DisjointSets::numbered(int& count) {
-  std::vector<int> result(parent_.size());
-  count = 0;
-  for (int i = 0; i < int(parent_.size()); ++i) {
-    const int root = lowest(i);
-    result[i] = root == i ? count++ : result[root];
-  }
-  return result;
-}
 
 Halo::Halo(const Communicator& comm, const OwnElements& own, const DualGraph& graph)
     : first_(own.firstElement()),

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "Haptos_DisjointSets.hpp"
 #include "Haptos_DualGraph.hpp"
 
 namespace Haptos {
@@ -25,17 +26,5 @@ Components connectedComponents(const Communicator& comm, const OwnElements& own,
 
 /// \brief The same of a graph that is here as a whole: [elements] the component, numbered by its first element.  Serial.
 std::vector<int> connectedComponents(const DualGraph& graph, const std::vector<int>& colour, int& count);
-
-/// \brief Disjoint sets of 0 .. n - 1 (union-find); each is known by its lowest member.
-class DisjointSets {
- public:
-  explicit DisjointSets(std::size_t n);
-  int lowest(int i);
-  void join(int a, int b);
-  std::vector<int> numbered(int& count);  ///< [n] number of the set, by lowest members
-
- private:
-  std::vector<int> parent_;
-};
 
 }  // namespace Haptos

@@ -33,6 +33,8 @@ struct PlacedPair {
   int interface;  ///< position in the list of interfaces
   int position;   ///< in the interface, from 0 without gaps over all ranks
   ContactPair pair;
+
+  auto parts() { return std::tie(interface, position, pair); }  ///< see ByteWriter
 };
 
 struct InterfaceRows {

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CoordinateBlocks.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
+
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
@@ -21,13 +22,6 @@ Key keyOf(double x) {
   std::memcpy(&bits, &x, sizeof bits);
   constexpr Key sign = Key(1) << 63;
   return bits & sign ? ~bits : bits | sign;
-}
-
-template <class T>
-std::vector<T> reduced(const Communicator& comm, Teuchos::EReductionType how, const std::vector<T>& mine) {
-  std::vector<T> all(mine.size());
-  if (!mine.empty()) Teuchos::reduceAll(comm, how, int(mine.size()), mine.data(), all.data());
-  return all;
 }
 
 struct Region {
@@ -74,7 +68,7 @@ class Bisection {
         least[6 * r + 3 + d] = std::min(least[6 * r + 3 + d], -x[d]);
       }
     });
-    least = reduced(comm_, Teuchos::REDUCE_MIN, least);
+    least = leastOfAll(comm_, least);
     std::vector<Cut> cuts(regions.size());
     for (std::size_t r = 0; r < cuts.size(); ++r) {
       const auto extent = [&](int d) { return -least[6 * r + 3 + std::size_t(d)] - least[6 * r + std::size_t(d)]; };
@@ -91,7 +85,7 @@ class Bisection {
       const Key key = keyOf(x[std::size_t(cuts[r].axis)]);
       if (shift == 56 || (key >> (shift + 8)) == (cuts[r].bound >> (shift + 8))) ++counts[256 * r + ((key >> shift) & 255)];
     });
-    return reduced(comm_, Teuchos::REDUCE_SUM, counts);
+    return sumOfAll(comm_, counts);
   }
 
   // The value of the point at which the left share is full, digit by digit; then the nearer end of its layer.

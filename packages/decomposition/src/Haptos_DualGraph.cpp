@@ -83,7 +83,7 @@ SentFace sentFace(const OwnElements& own, const Face& face, const Point& centroi
 }
 
 // Joins the elements of this rank, and says which sides others may have or too many here do.
-std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<std::vector<SentFace>>& toRank) {
+std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<SentFace>& toSend) {
   const auto faces = sortedFaces(own.part.mesh);
   const auto centroids = elementCentroids(own.part.mesh);
   const auto isShared = [&](int node) { return node < 0 || own.isShared[std::size_t(node)]; };
@@ -96,10 +96,7 @@ std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<std::vector<
       edges.push_back({own.part.elements[std::size_t(a)], own.part.elements[std::size_t(b)], coupling});
     }
     if (j - i <= 2 && !std::all_of(faces[i].nodes.begin(), faces[i].nodes.end(), isShared)) continue;
-    for (std::size_t k = i; k < j; ++k) {
-      const SentFace sent = sentFace(own, faces[k], centroids[std::size_t(faces[k].element)]);
-      toRank[std::size_t(own.nodes.owner(sent.nodes[0]))].push_back(sent);
-    }
+    for (std::size_t k = i; k < j; ++k) toSend.push_back(sentFace(own, faces[k], centroids[std::size_t(faces[k].element)]));
   }
   return edges;
 }
@@ -168,12 +165,11 @@ std::vector<Point> elementCentroids(const Mesh& mesh) {
 }
 
 DualGraph buildDualGraph(const Communicator& comm, const OwnElements& own) {
-  std::vector<std::vector<SentFace>> faces(static_cast<std::size_t>(comm.getSize()));
+  std::vector<SentFace> faces;
   auto edges = matchOwnFaces(own, faces);
-  auto met = joined(exchangeValues(comm, faces));
-  faces.clear();
+  faces = sendItems(comm, faces, [&](const SentFace& face) { return own.nodes.owner(face.nodes[0]); });
   std::vector<std::vector<Edge>> found(static_cast<std::size_t>(comm.getSize()));
-  runOnAllRanks(comm, [&] { matchSentFaces(own, std::move(met), found); });
+  runOnAllRanks(comm, [&] { matchSentFaces(own, std::move(faces), found); });
   for (const Edge& edge : joined(exchangeValues(comm, found))) edges.push_back(edge);
   return graphOf(own, edges);
 }

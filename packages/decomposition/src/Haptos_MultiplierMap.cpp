@@ -48,8 +48,6 @@ void forEachEntry(const RowShare::Copy& copy, Visit&& visit) {
     if (copy.dirichlet[std::size_t(d)] >= 0) visit(copy.dirichlet[std::size_t(d)], d, 1.0 / std::sqrt(double(copy.copies)));
 }
 
-Teuchos::ArrayView<const GlobalOrdinal> viewOf(const std::vector<GlobalOrdinal>& v) { return {v.data(), Teuchos_Ordinal(v.size())}; }
-
 }  // namespace
 
 MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const RowSources& sources) {
@@ -78,7 +76,7 @@ void MultiplierMap::takeOwnRows(const RCP<const Communicator>& comm, const RowSh
     c_.push_back(row.c);
     nodes_.push_back(row.node);
   }
-  map_ = Teuchos::rcp(new Map(Tpetra::global_size_t(share.numRows), viewOf(own), 0, comm));
+  map_ = mapOf(own, comm);
   contactMap_ = mapOfRows(*map_, contactRows_);
 
   std::vector<GlobalOrdinal> touched;
@@ -89,7 +87,7 @@ void MultiplierMap::takeOwnRows(const RCP<const Communicator>& comm, const RowSh
   const std::size_t numOwn = own.size();
   for (GlobalOrdinal row : touched)
     if (!std::binary_search(own.begin(), own.begin() + std::ptrdiff_t(numOwn), row)) own.push_back(row);
-  overlapMap_ = Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(), viewOf(own), 0, comm));
+  overlapMap_ = mapOf(own, comm);
   remote_ = std::make_unique<RemoteRows>(map_, overlapMap_);
 }
 

@@ -2,9 +2,11 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "Haptos_ConstraintRows.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -35,11 +37,11 @@ class NodeDirectory {
   /// Collective.
   NodeDirectory(const Communicator& comm, const RowSources& sources);
 
-  int rankOf(std::int64_t node) const { return int(node / perRank_); }
+  int rankOf(std::int64_t node) const { return ranges_.owner(node); }
   /// \brief Makes nodes of others known here; once.  Collective.
   void fetch(const std::vector<std::int64_t>& nodes);
 
-  std::size_t numOwn() const { return numOwn_; }
+  std::size_t numOwn() const { return std::size_t(ranges_.count(comm_.getRank())); }
   const std::vector<NodeRecord>& records() const { return records_; }
   const NodeCopy* copies(const NodeRecord& record) const { return copies_.data() + record.firstCopy; }
   int find(std::int64_t node) const;  ///< its record; it must be known here
@@ -59,11 +61,11 @@ class NodeDirectory {
   void exchangeLabels(std::vector<Labels>& labels) const;
 
   const Communicator& comm_;
-  std::int64_t perRank_ = 1, first_ = 0;
-  std::size_t numOwn_ = 0;
+  EvenRanges ranges_;
+  std::int64_t first_;
   std::vector<NodeRecord> records_;
   std::vector<NodeCopy> copies_;
-  std::vector<std::vector<int>> asked_, answered_;  // [ranks] records that came from a rank, and own ones that it asked for
+  std::optional<RemoteValues> remote_;  // of records behind the own ones
 };
 
 }  // namespace Haptos

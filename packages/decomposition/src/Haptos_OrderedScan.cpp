@@ -1,39 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_OrderedScan.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
+#include <numeric>
 
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 
-GlobalOrdinal sumOverLowerRanks(const Communicator& comm, GlobalOrdinal mine) {
-  GlobalOrdinal sum = 0;
-  Teuchos::scan(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(sum));
-  return sum - mine;
-}
-
-// Places are ranges of ranks: every rank adds up what lies in its range, a scan over the ranks gives what lies before, and the
-// answers go back the way the items came.
+// Places are ranges of ranks: every rank adds up what lies in its range, a scan over the ranks gives what lies before.
 std::vector<GlobalOrdinal> scanInOrder(const Communicator& comm, const std::vector<PlacedCount>& items, GlobalOrdinal total) {
-  if (total == 0) return {};
-  const GlobalOrdinal perRank = (total - 1) / comm.getSize() + 1, first = perRank * comm.getRank();
-  const auto rankOf = [&](const PlacedCount& item) { return int(item.place / perRank); };
-  std::vector<std::size_t> countFrom;
-  const auto received = sendItems(comm, items, rankOf, &countFrom);
-  std::vector<GlobalOrdinal> before(std::size_t(perRank) + 1, 0), answers;
-  for (const PlacedCount& item : received) before[std::size_t(item.place - first) + 1] = item.count;
-  for (std::size_t i = 1; i < before.size(); ++i) before[i] += before[i - 1];
-  const GlobalOrdinal lower = sumOverLowerRanks(comm, before.back());
-  for (const PlacedCount& item : received) answers.push_back(lower + before[std::size_t(item.place - first)]);
-  const auto lists = sendAnswers(comm, answers, countFrom);
-  std::vector<std::size_t> next(lists.size(), 0);
-  std::vector<GlobalOrdinal> result;
-  for (const PlacedCount& item : items) {
-    const std::size_t rank = std::size_t(rankOf(item));
-    result.push_back(lists[rank][next[rank]++]);
-  }
-  return result;
+  const EvenRanges ranges{total, comm.getSize()};
+  const auto first = ranges.begin(comm.getRank());
+  std::vector<GlobalOrdinal> before(std::size_t(ranges.count(comm.getRank())) + 1, 0);
+  for (const PlacedCount& item : sendItems(comm, items, [&](const PlacedCount& i) { return ranges.owner(i.place); }))
+    before[std::size_t(item.place - first) + 1] = item.count;
+  std::partial_sum(before.begin(), before.end(), before.begin());
+  const GlobalOrdinal lower = sumOfLower(comm, before.back());
+  std::vector<std::int64_t> places;
+  for (const PlacedCount& item : items) places.push_back(item.place);
+  return RemoteValues(comm, ranges, places).fetch([&](std::int64_t place) { return lower + before[std::size_t(place)]; });
 }
 
 }  // namespace Haptos

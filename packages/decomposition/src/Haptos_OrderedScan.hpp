@@ -6,9 +6,6 @@
 
 namespace Haptos {
 
-/// \brief What the ranks before have together.  Collective.
-GlobalOrdinal sumOverLowerRanks(const Communicator& comm, GlobalOrdinal mine);
-
 /// \brief A number at a place of a list that all ranks have parts of, in any order.
 struct PlacedCount {
   GlobalOrdinal place, count;

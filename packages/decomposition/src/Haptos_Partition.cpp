@@ -2,7 +2,6 @@
 #include "Haptos_Partition.hpp"
 
 #include <Teuchos_Assert.hpp>
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -11,6 +10,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Fragments.hpp"
 #include "Haptos_PieceCut.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
@@ -21,9 +21,9 @@ using Index = std::int64_t;
 constexpr double kElementsPerSubdomainHex = 180, kElementsPerSubdomainTet = 1500;
 
 double idealCount(const Communicator& comm, const Mesh& mesh) {
-  std::vector<Index> mine, all(mesh.blocks.size(), 0);
+  std::vector<Index> mine;
   for (const auto& block : mesh.blocks) mine.push_back(Index(block.numElements()));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
+  const auto all = sumOfAll(comm, mine);
   double count = 0;
   for (std::size_t b = 0; b < all.size(); ++b)
     count += double(all[b]) / (mesh.blocks[b].topology == Topology::Hex8 ? kElementsPerSubdomainHex : kElementsPerSubdomainTet);
@@ -80,8 +80,7 @@ Portions cutLargePieces(const Communicator& comm, const OwnElements& own, const 
   portions.pieceOf = mendParts(comm, own, graph, pieces, ofElement).firstPiece;
   std::vector<Index> mine(portions.pieceOf.size(), 0);
   for (int portion : ofElement) ++mine[std::size_t(portion)];
-  portions.cuts.sizes.resize(mine.size());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), portions.cuts.sizes.data());
+  portions.cuts.sizes = sumOfAll(comm, mine);
   return portions;
 }
 

@@ -3,7 +3,6 @@
 
 #include <metis.h>
 
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,8 +11,9 @@
 #include <stdexcept>
 
 #include "Haptos_Error.hpp"
-#include "Haptos_Rendezvous.hpp"
 #include "Haptos_Fragments.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_RoundParts.hpp"
 
 namespace Haptos {
@@ -215,7 +215,7 @@ PartsOfPiece cutOnRanks(const Communicator& comm, const OwnElements& own, const 
     const int r = rankOf[p];
     result.part.push_back(r < 0 ? 0 : replies[std::size_t(r)][taken[std::size_t(r)]++]);
   }
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mended, Teuchos::outArg(result.mended));
+  result.mended = sumOfAll(comm, mended);
   return result;
 }
 

@@ -2,18 +2,17 @@
 #include "Haptos_RowDealer.hpp"
 
 #include <Teuchos_Assert.hpp>
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_Exchange.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_NodeDirectory.hpp"
 #include "Haptos_OrderedScan.hpp"
 #include "Haptos_PairDraft.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
@@ -22,25 +21,10 @@ using Labels = NodeDirectory::Labels;
 using Draft = PairDraft;
 constexpr int kNone = std::numeric_limits<int>::max();
 
-
-// Everything that goes to one rank.
-struct Parcel {
-  ByteWriter nodes, pairs;
-  std::vector<RowShare::Copy> copies;
-  std::vector<RowShare::Entry> entries;
-  std::vector<CoupledCopy> coupled;
-};
-
-GlobalOrdinal sumOverRanks(const Communicator& comm, GlobalOrdinal mine) {
-  GlobalOrdinal sum = 0;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(sum));
-  return sum;
-}
-
 class RowDealer {
  public:
   RowDealer(const Communicator& comm, const RowSources& sources)
-      : comm_(comm), interfaces_(sources.interfaces), directory_(comm, sources), parcels_(std::size_t(comm.getSize())) {
+      : comm_(comm), interfaces_(sources.interfaces), directory_(comm, sources), shares_(std::size_t(comm.getSize())) {
     learnRanks(sources);
     takePairs(sources);
     requireNodes();
@@ -87,7 +71,7 @@ class RowDealer {
   const Communicator& comm_;
   const std::vector<InterfaceRows>& interfaces_;
   NodeDirectory directory_;
-  std::vector<Parcel> parcels_;                     // [ranks]
+  std::vector<RowShare> shares_;                    // [ranks]
   std::vector<std::pair<int, int>> firstOfRank_;    // first subdomain, rank; ascending
   std::vector<GlobalOrdinal> pairsOfInterface_;
   std::vector<Draft> drafts_;
@@ -98,41 +82,25 @@ class RowDealer {
 
 // Ranks have ranges of subdomains: the first of each tells who has which.
 void RowDealer::learnRanks(const RowSources& sources) {
-  ByteWriter writer;
-  if (!sources.subdomains.empty()) writer.write(sources.subdomains.front().id);
-  const auto messages = gatherOnAll(comm_, writer.take());
-  for (std::size_t rank = 0; rank < messages.size(); ++rank)
-    if (!messages[rank].empty()) firstOfRank_.emplace_back(ByteReader(messages[rank]).read<int>(), int(rank));
+  const std::vector<int> mine{sources.subdomains.empty() ? -1 : sources.subdomains.front().id};
+  for (int first : gatheredOnAll(comm_, mine)) firstOfRank_.emplace_back(first, int(firstOfRank_.size()));
+  firstOfRank_.erase(std::remove_if(firstOfRank_.begin(), firstOfRank_.end(), [](const auto& f) { return f.first < 0; }), firstOfRank_.end());
   std::sort(firstOfRank_.begin(), firstOfRank_.end());
 }
 
 // Pairs come to the rank that keeps their secondary node, and the other nodes become known there.
 void RowDealer::takePairs(const RowSources& sources) {
-  std::vector<ByteWriter> writers(parcels_.size());
-  std::vector<long long> mine(interfaces_.size(), 0), all(interfaces_.size(), 0);
-  for (const auto& placed : sources.pairs) {
-    ByteWriter& writer = writers[std::size_t(directory_.rankOf(placed.pair.secondaryNode))];
-    writer.write(placed.interface);
-    writer.write(placed.position);
-    pack(writer, placed.pair);
-    ++mine[std::size_t(placed.interface)];
-  }
-  Teuchos::reduceAll(comm_, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
-  pairsOfInterface_.assign(all.begin(), all.end());
-  std::vector<Bytes> messages;
-  for (auto& writer : writers) messages.push_back(writer.take());
+  pairsOfInterface_.assign(interfaces_.size(), 0);
+  for (const auto& placed : sources.pairs) ++pairsOfInterface_[std::size_t(placed.interface)];
+  pairsOfInterface_ = sumOfAll(comm_, pairsOfInterface_);
   std::vector<std::int64_t> nodes;
-  for (const auto& message : exchangeAll(comm_, messages))
-    for (ByteReader reader(message); !reader.atEnd();) {
-      drafts_.emplace_back();
-      PlacedPair& placed = drafts_.back().placed;
-      placed.interface = reader.read<int>();
-      placed.position = reader.read<int>();
-      placed.pair = unpackContactPair(reader);
-      TEUCHOS_ASSERT(placed.position >= 0 && placed.position < pairsOfInterface_[std::size_t(placed.interface)]);
-      for (const auto* side : {&placed.pair.secondary, &placed.pair.primary})
-        for (const auto& item : *side) nodes.push_back(item.node);
-    }
+  for (auto& placed : sendItems(comm_, sources.pairs, [&](const PlacedPair& p) { return directory_.rankOf(p.pair.secondaryNode); })) {
+    TEUCHOS_ASSERT(placed.position >= 0 && placed.position < pairsOfInterface_[std::size_t(placed.interface)]);
+    for (const auto* side : {&placed.pair.secondary, &placed.pair.primary})
+      for (const auto& item : *side) nodes.push_back(item.node);
+    drafts_.emplace_back();
+    drafts_.back().placed = std::move(placed);
+  }
   directory_.fetch(nodes);
   std::sort(drafts_.begin(), drafts_.end(), [](const Draft& a, const Draft& b) {
     return std::make_pair(a.placed.interface, a.placed.position) < std::make_pair(b.placed.interface, b.placed.position);
@@ -190,10 +158,7 @@ void RowDealer::requireTiedValues() const {
                       interfaces_[std::size_t(where.first)].name + "' part a tied pair by " +
                       formatted("%g", std::abs(draft.share.c[d])) + " along " + "xyz"[d] + "."};
     }
-  int first = kNone, position = kNone;
-  Teuchos::reduceAll(comm_, Teuchos::REDUCE_MIN, where.first, Teuchos::outArg(first));
-  const int mine = where.first == first ? where.second : kNone;
-  Teuchos::reduceAll(comm_, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(position));
+  const int first = leastOfAll(comm_, where.first), position = leastOfAll(comm_, where.first == first ? where.second : kNone);
   if (where != std::make_pair(first, position)) error = {};
   throwOnAllRanks(comm_, error);
 }
@@ -234,10 +199,10 @@ void RowDealer::dealNodes() {
     gluing += 3 * std::max(0, record.numCopies - 1);
     for (char is : record.isPrescribed) dirichlet += is;
   });
-  const GlobalOrdinal numGluing = sumOverRanks(comm_, gluing);
-  numEquality_ = numGluing + sumOverRanks(comm_, dirichlet);
-  gluing = sumOverLowerRanks(comm_, gluing);
-  dirichlet = numGluing + sumOverLowerRanks(comm_, dirichlet);
+  const GlobalOrdinal numGluing = sumOfAll(comm_, gluing);
+  numEquality_ = numGluing + sumOfAll(comm_, dirichlet);
+  gluing = sumOfLower(comm_, gluing);
+  dirichlet = numGluing + sumOfLower(comm_, dirichlet);
   visit([&](std::size_t i, const NodeRecord& record) {
     std::array<GlobalOrdinal, 3> rows{-1, -1, -1};
     for (std::size_t d = 0; d < 3; ++d)
@@ -255,9 +220,9 @@ void RowDealer::dealNode(const NodeRecord& record, std::size_t index, GlobalOrdi
   for (int i = 0; i < mu; ++i) {
     const NodeCopy& copy = directory_.copies(record)[isHighest(index) ? mu - 1 - i : i];
     node.stiffness.push_back(copy.stiffness);
-    parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].copies.push_back({copy.subdomain, copy.localNode, mu, i, gluing, dirichlet});
+    shares_[std::size_t(rankOfSubdomain(copy.subdomain))].copies.push_back({copy.subdomain, copy.localNode, mu, i, gluing, dirichlet});
   }
-  pack(parcels_[std::size_t(ownerOf(index))].nodes, node);
+  shares_[std::size_t(ownerOf(index))].nodes.push_back(std::move(node));
 }
 
 // By interface: the number of its first pair among those of interfaces that count.
@@ -277,7 +242,7 @@ void RowDealer::numberPairs() {
   GlobalOrdinal tied = 0, numFrictional = 0;
   for (const Draft& draft : drafts_)
     for (std::size_t d = 0; d < 3; ++d) tied += draft.share.isTied && !draft.share.pinned[d];
-  numEquality_ += sumOverRanks(comm_, tied);
+  numEquality_ += sumOfAll(comm_, tied);
   const auto contact = placesOf([](const InterfaceRows& k) { return !k.tied; }, numContact_);
   const auto frictional = placesOf([](const InterfaceRows& k) { return !k.tied && k.frictional; }, numFrictional);
   for (Draft& draft : drafts_) {
@@ -322,7 +287,7 @@ void RowDealer::dealPair(const Draft& draft) {
     for (int i = 0; i < record.numCopies; ++i) {
       const NodeCopy& copy = directory_.copies(record)[i];
       node.stiffness += copy.stiffness;
-      auto& entries = parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].entries;
+      auto& entries = shares_[std::size_t(rankOfSubdomain(copy.subdomain))].entries;
       for (std::size_t a = 0; a < 3; ++a)
         for (int d = 0; d < 3 && share.rows[a] >= 0 && weight != 0; ++d) {
           const double value = weight * draft.axes[a][std::size_t(d)];
@@ -334,7 +299,7 @@ void RowDealer::dealPair(const Draft& draft) {
   }
   share.holder = holderOf(label);
   share.meetsContact = label[2] < 0;
-  pack(parcels_[std::size_t(owner)].pairs, share);
+  shares_[std::size_t(owner)].pairs.push_back(std::move(share));
 }
 
 // Ranks with copies of a node that rows of pairs act on must know how stiff all copies are together.
@@ -346,37 +311,24 @@ void RowDealer::dealCoupledCopies() {
     for (int k = 0; k < record.numCopies; ++k) sum += directory_.copies(record)[k].stiffness;
     for (int k = 0; k < record.numCopies; ++k) {
       const NodeCopy& copy = directory_.copies(record)[k];
-      parcels_[std::size_t(rankOfSubdomain(copy.subdomain))].coupled.push_back({copy.subdomain, copy.localNode, sum / record.numCopies});
+      shares_[std::size_t(rankOfSubdomain(copy.subdomain))].coupled.push_back({copy.subdomain, copy.localNode, sum / record.numCopies});
     }
   }
 }
 
 // What every rank is to know of rows: those that it owns, and its subdomains' entries in all rows.
 RowShare RowDealer::receive() {
-  std::vector<Bytes> messages;
-  for (Parcel& parcel : parcels_) {
-    ByteWriter writer;
-    writer.write(parcel.nodes.take());
-    writer.write(parcel.pairs.take());
-    writer.write(parcel.copies);
-    writer.write(parcel.entries);
-    writer.write(parcel.coupled);
-    messages.push_back(writer.take());
-    parcel = {};
-  }
   RowShare share;
   share.numRows = numRows_;
   share.numEquality = numEquality_;
   share.numPairs = numContact_;
-  const auto append = [](auto& all, const auto& part) { all.insert(all.end(), part.begin(), part.end()); };
-  for (const auto& message : exchangeAll(comm_, messages)) {
-    ByteReader reader(message);
-    const auto nodes = reader.readVector<char>(), pairs = reader.readVector<char>();
-    for (ByteReader part(nodes); !part.atEnd();) share.nodes.push_back(unpackNode(part));
-    for (ByteReader part(pairs); !part.atEnd();) share.pairs.push_back(unpackPair(part));
-    append(share.copies, reader.readVector<RowShare::Copy>());
-    append(share.entries, reader.readVector<RowShare::Entry>());
-    append(share.coupled, reader.readVector<CoupledCopy>());
+  const auto append = [](auto& all, auto& part) { std::move(part.begin(), part.end(), std::back_inserter(all)); };
+  for (auto& from : exchangeEach(comm_, std::move(shares_))) {
+    append(share.nodes, from.nodes);
+    append(share.pairs, from.pairs);
+    append(share.copies, from.copies);
+    append(share.entries, from.entries);
+    append(share.coupled, from.coupled);
   }
   std::sort(share.pairs.begin(), share.pairs.end(), [](const RowShare::Pair& a, const RowShare::Pair& b) {
     return std::make_pair(a.interface, a.position) < std::make_pair(b.interface, b.position);

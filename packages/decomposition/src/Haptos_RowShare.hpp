@@ -2,9 +2,9 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_MultiplierMap.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -20,6 +20,8 @@ struct RowShare {
     std::array<double, 3> prescribed;
     int holder;                              ///< see NodeRows
     std::vector<double> stiffness;           ///< [copies] the owner's first
+
+    auto parts() { return std::tie(node, gluing, dirichlet, prescribed, holder, stiffness); }  ///< see ByteWriter
   };
   /// A copy of a node in one of this rank's subdomains.
   struct Copy {
@@ -39,6 +41,8 @@ struct RowShare {
     bool meetsContact;
     ContactPair geometry;
     std::vector<PairNode> nodes;
+
+    auto parts() { return std::tie(interface, position, isTied, rows, c, pinned, holder, meetsContact, geometry, nodes); }
   };
   /// An entry of a row of a pair in one of this rank's subdomains.
   struct Entry {
@@ -53,11 +57,8 @@ struct RowShare {
   std::vector<Pair> pairs;
   std::vector<Entry> entries;
   std::vector<CoupledCopy> coupled;
-};
 
-void pack(ByteWriter& writer, const RowShare::Pair& pair);
-void pack(ByteWriter& writer, const RowShare::Node& node);
-RowShare::Pair unpackPair(ByteReader& reader);
-RowShare::Node unpackNode(ByteReader& reader);
+  auto parts() { return std::tie(numRows, numEquality, numPairs, nodes, copies, pairs, entries, coupled); }
+};
 
 }  // namespace Haptos

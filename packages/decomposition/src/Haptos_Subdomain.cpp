@@ -111,14 +111,13 @@ std::vector<std::vector<int>> countCopies(const Communicator& comm, const EvenRa
   for (const auto& sub : subdomains)
     for (auto node : sub.nodes) ++mine[node];
   std::vector<std::int64_t> wanted;
-  for (const auto& [node, count] : mine) wanted.push_back(node);
+  std::vector<int> counts, sums(std::size_t(nodes.count(comm.getRank())), 0);
+  for (const auto& [node, count] : mine) {
+    wanted.push_back(node);
+    counts.push_back(count);
+  }
   const RemoteValues remote(comm, nodes, wanted);
-  std::vector<std::vector<int>> toOwner(remote.asked().size());
-  for (const auto& [node, count] : mine) toOwner[std::size_t(nodes.owner(node))].push_back(count);
-  const auto received = exchangeValues(comm, toOwner);
-  std::vector<int> sums(std::size_t(nodes.count(comm.getRank())), 0);
-  for (std::size_t r = 0; r < received.size(); ++r)
-    for (std::size_t i = 0; i < received[r].size(); ++i) sums[std::size_t(remote.asked()[r][i])] += received[r][i];
+  remote.give(counts, [&](std::int64_t place, int count) { sums[std::size_t(place)] += count; });
   const auto all = remote.fetch([&](std::int64_t place) { return sums[std::size_t(place)]; });
   std::vector<std::vector<int>> result;
   for (const auto& sub : subdomains) {

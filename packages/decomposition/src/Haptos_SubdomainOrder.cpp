@@ -3,7 +3,6 @@
 
 #include <metis.h>
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_TestForException.hpp>
 #include <algorithm>
 #include <cmath>
@@ -15,6 +14,7 @@
 #include <utility>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
@@ -93,15 +93,12 @@ class LinkCounter {
 // Nodes that other ranks have elements at are counted by the rank in whose range they lie.
 LinkCounter countLinks(const Communicator& comm, const OwnElements& own, const std::vector<NodeSubdomain>& mine, int subdomains) {
   LinkCounter counter(subdomains);
-  std::vector<NodeSubdomain> here;
-  std::vector<std::vector<NodeSubdomain>> toOwner(static_cast<std::size_t>(comm.getSize()));
-  for (const auto& one : mine) {
-    const Index node = own.part.nodes[std::size_t(one.node)];
-    if (own.isShared[std::size_t(one.node)]) toOwner[std::size_t(own.nodes.owner(node))].push_back({node, one.subdomain});
+  std::vector<NodeSubdomain> here, shared;
+  for (const auto& one : mine)
+    if (own.isShared[std::size_t(one.node)]) shared.push_back({own.part.nodes[std::size_t(one.node)], one.subdomain});
     else here.push_back(one);
-  }
   counter.add(here);
-  auto met = joined(exchangeValues(comm, toOwner));
+  auto met = sendItems(comm, shared, [&](const NodeSubdomain& s) { return own.nodes.owner(s.node); });
   sortOnce(met);
   counter.add(met);
   return counter;
@@ -125,11 +122,11 @@ std::vector<NodeSubdomain> subdomainsAtPairs(const Communicator& comm, const Own
     nodes.assign(all.begin(), all.end());
   }
   nodes = gatheredOnAll(comm, nodes);
-  std::vector<std::vector<NodeSubdomain>> toRoot(static_cast<std::size_t>(comm.getSize()));
+  std::vector<NodeSubdomain> found;
   for (const auto& one : mine)
     if (const Index node = own.part.nodes[std::size_t(one.node)]; std::binary_search(nodes.begin(), nodes.end(), node))
-      toRoot[0].push_back({node, one.subdomain});
-  auto result = joined(exchangeValues(comm, toRoot));
+      found.push_back({node, one.subdomain});
+  auto result = gatheredOnRoot(comm, found);
   sortOnce(result);
   return result;
 }
@@ -235,10 +232,7 @@ void bisect(SubdomainGraph& graph, const std::vector<int>& subdomains, std::vect
 double workOfSubdomain(int numNodes) { return std::pow(double(numNodes), 4.0 / 3.0); }
 
 std::vector<int> countNodes(const Communicator& comm, const OwnElements& own, const Partition& partition) {
-  const auto counter = countLinks(comm, own, subdomainsAtNodes(own.part.mesh, partition), partition.count);
-  std::vector<int> all(counter.numNodes.size());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(all.size()), counter.numNodes.data(), all.data());
-  return all;
+  return sumOfAll(comm, countLinks(comm, own, subdomainsAtNodes(own.part.mesh, partition), partition.count).numNodes);
 }
 
 std::vector<int> orderSubdomains(const Communicator& comm, const OwnElements& own, const std::vector<ContactInterface>& interfaces,
@@ -246,11 +240,8 @@ std::vector<int> orderSubdomains(const Communicator& comm, const OwnElements& ow
   const auto mine = subdomainsAtNodes(own.part.mesh, partition);
   const auto counter = countLinks(comm, own, mine, partition.count);
   const auto atPairs = subdomainsAtPairs(comm, own, mine, interfaces);
-  std::vector<int> numNodes(counter.numNodes.size());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(numNodes.size()), counter.numNodes.data(), numNodes.data());
-  std::vector<std::vector<Link>> toRoot(static_cast<std::size_t>(comm.getSize()));
-  toRoot[0] = counter.links();
-  const auto links = joined(exchangeValues(comm, toRoot));
+  const auto numNodes = sumOfAll(comm, counter.numNodes);
+  const auto links = gatheredOnRoot(comm, counter.links());
   std::vector<int> order;
   runOnRoot(comm, [&] {
     SubdomainGraph graph(numNodes, links);

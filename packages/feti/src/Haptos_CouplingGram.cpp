@@ -76,11 +76,6 @@ Eigen::MatrixXd gramOf(const NodeColumns& columns, int rows) {
   return S;
 }
 
-RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& items, const RCP<const Teuchos::Comm<int>>& comm) {
-  return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
-                              Teuchos::ArrayView<const GlobalOrdinal>(items.data(), Teuchos_Ordinal(items.size())), 0, comm));
-}
-
 }  // namespace
 
 // Couplings that meet, all of this rank.

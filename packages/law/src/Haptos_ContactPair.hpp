@@ -2,9 +2,9 @@
 #pragma once
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_LocalFrame.hpp"
 
 namespace Haptos {
@@ -25,27 +25,9 @@ struct ContactPair {
   LocalFrame frame;            ///< normal: outward from the secondary surface; rigid plane: -Normal
   double gap;                  ///< initial distance along the normal; negative: initial penetration
   double area;                 ///< tributary area of the secondary node
+
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area); }  ///< see ByteWriter
 };
-
-inline void pack(ByteWriter& writer, const ContactPair& pair) {
-  writer.write(pair.secondaryNode);
-  writer.write(pair.secondary);
-  writer.write(pair.primary);
-  writer.write(pair.frame);
-  writer.write(pair.gap);
-  writer.write(pair.area);
-}
-
-inline ContactPair unpackContactPair(ByteReader& reader) {
-  ContactPair pair;
-  pair.secondaryNode = reader.read<std::int64_t>();
-  pair.secondary = reader.readVector<NodeWeight>();
-  pair.primary = reader.readVector<NodeWeight>();
-  pair.frame = reader.read<LocalFrame>();
-  pair.gap = reader.read<double>();
-  pair.area = reader.read<double>();
-  return pair;
-}
 
 struct ContactInterface {
   std::string name;
