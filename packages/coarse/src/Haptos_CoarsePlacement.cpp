@@ -2,6 +2,7 @@
 #include "Haptos_CoarsePlacement.hpp"
 
 #include <Teuchos_CommHelpers.hpp>
+#include <memory>
 
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Exchange.hpp"
@@ -20,13 +21,26 @@ int groupOf(const Communicator& comm, int ranksPerFactor) {
 CoarsePlacement::CoarsePlacement(RCP<const Communicator> comm, Eigen::Index unknowns, const CoarseOptions& options)
     : comm_(std::move(comm)), numHolders_(comm_->getSize()) {
   if (unknowns <= options.replicatedUpTo || numHolders_ == 1 || options.ranksPerFactor == 1) return;
-  group_ = comm_->split(groupOf(*comm_, options.ranksPerFactor), comm_->getRank());
-  const int holder = group_->getRank() == 0;
-  holders_ = comm_->split(holder ? 0 : -1, comm_->getRank());  // a negative colour gives no communicator
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, holder, Teuchos::outArg(numHolders_));
+  placeFactors(*comm_->split(groupOf(*comm_, options.ranksPerFactor), comm_->getRank()), 0);
 }
 
-// One reduction of all ranks, or one in each group and one among the lowest of each: the second is short where ranks share memory.
+// The rank of the group at this place becomes the first of it, and holds the factor.
+void CoarsePlacement::placeFactors(const Communicator& group, int place) {
+  const int size = group.getSize();
+  group_ = group.split(0, (group.getRank() + size - place % size) % size);
+  const int holder = group_->getRank() == 0, mine = holder ? comm_->getRank() : comm_->getSize();
+  holders_ = comm_->split(holder ? 0 : -1, comm_->getRank());  // a negative colour gives no communicator
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, holder, Teuchos::outArg(numHolders_));
+  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MIN, mine, Teuchos::outArg(firstHolder_));
+}
+
+std::shared_ptr<const CoarsePlacement> CoarsePlacement::onNextRanks() const {
+  auto next = std::make_shared<CoarsePlacement>(*this);
+  if (!isReplicated()) next->placeFactors(*group_, 1);
+  return next;
+}
+
+// One reduction of all ranks, or one in each group and one among the first of each: the second is short where ranks share memory.
 Eigen::MatrixXd CoarsePlacement::sum(const Eigen::MatrixXd& mine) const {
   if (comm_->getSize() == 1 || mine.size() == 0) return mine;
   Eigen::MatrixXd total(mine.rows(), mine.cols());

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <memory>
+#include <vector>
 
 #include "Haptos_Communication.hpp"
 #include "Haptos_Options.hpp"
@@ -17,7 +19,7 @@ struct CoarseCosts {
   std::size_t factorEntries = 0;  ///< the largest factor on this rank, 0 if it never held one
 };
 
-/// \brief The ranks in groups, the lowest of each with a factor.  Made once, used by all coarse matrices of a run.
+/// \brief The ranks in groups, one of each with a factor.  Made once, used by all coarse matrices of a run.
 ///
 /// With groups of one rank every rank holds the factor, and only `sum` communicates.  Otherwise right-hand sides are
 /// added up in the group, then among the holders, and solutions are broadcast in the group.
@@ -27,9 +29,13 @@ class CoarsePlacement {
   CoarsePlacement(RCP<const Communicator> comm, Eigen::Index unknowns, const CoarseOptions& options);
 
   const Communicator& comm() const { return *comm_; }
+  /// \brief The same groups and costs with the factor on the next rank of each: who has one matrix need not have all.  Collective.
+  std::shared_ptr<const CoarsePlacement> onNextRanks() const;
+
   bool isReplicated() const { return group_.is_null(); }
   bool holds() const { return isReplicated() || !holders_.is_null(); }  ///< whether this rank has a factor
   int numHolders() const { return numHolders_; }
+  int firstHolder() const { return firstHolder_; }  ///< the lowest rank with a factor
 
   /// \brief Sum over all ranks, on the holders; empty elsewhere.  Collective.
   Eigen::MatrixXd sum(const Eigen::MatrixXd& mine) const;
@@ -38,12 +44,14 @@ class CoarsePlacement {
   /// \brief Every rank's message, group by group and in each by rank, on the holders; empty elsewhere.  Collective.
   std::vector<std::vector<char>> gather(const std::vector<char>& message) const;
 
-  CoarseCosts& costs() const { return costs_; }
+  CoarseCosts& costs() const { return *costs_; }
 
  private:
+  void placeFactors(const Communicator& group, int place);
+
   RCP<const Communicator> comm_, group_, holders_;  // group_ null: replicated; holders_ null: not a holder
-  int numHolders_;
-  mutable CoarseCosts costs_;
+  int numHolders_, firstHolder_ = 0;
+  std::shared_ptr<CoarseCosts> costs_ = std::make_shared<CoarseCosts>();
 };
 
 }  // namespace Haptos

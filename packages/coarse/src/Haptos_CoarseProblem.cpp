@@ -153,7 +153,7 @@ void CoarseProblem::factor(CoarseBlocks changing) {
   } catch (...) {
     error = describeCurrentException();
   }
-  broadcastAndThrow(placement_->comm(), error, 0);  // rank 0 is a holder, and all holders have the same matrix
+  broadcastAndThrow(placement_->comm(), error, placement_->firstHolder());  // all holders have the same matrix
 }
 
 // P^T A P = L L^T, sparse, of all unknowns

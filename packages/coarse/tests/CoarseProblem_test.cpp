@@ -134,6 +134,30 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SameAnswerWhereverTheFactorLives) {
   }
 }
 
+// The rank with one matrix of a group is not the one with the next, which costs memory as well.
+TEUCHOS_UNIT_TEST(CoarseProblem, NextMatrixLiesOnAnotherRank) {
+  const Model m;
+  const Communicator& comm = *m.feti.comm;
+  const Dense b = someColumns(m.feti.G->dimension(), 2), wanted = CoarseProblem(comm, m.feti.G->rows(), m.q, {}).solve(b);
+  const CoarseRows nothing(m.feti.G->rows().rows(), m.feti.G->rows().cols());
+  for (const Case& c : allCases(comm.getSize())) {
+    out << c.name << "\n";
+    const auto first = m.place(c.options), second = first->onNextRanks();
+    TEST_EQUALITY(second->numHolders(), c.holders);
+    TEST_EQUALITY(second->isReplicated(), first->isReplicated());
+    int inOneGroup = comm.getSize();  // ranks that hold both, and must be alone in their groups
+    const int both = first->holds() && second->holds();
+    Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, both, Teuchos::outArg(inOneGroup));
+    if (c.options.replicatedUpTo == 0 && c.options.ranksPerFactor != 1)
+      TEST_EQUALITY(inOneGroup, int(comm.getSize() == 1 || (c.options.ranksPerFactor > 1 && comm.getSize() % c.options.ranksPerFactor == 1)));
+    const CoarseProblem A(second, m.feti.G->rows(), m.q, {});
+    TEST_ASSERT(largest(A.solveSum(partOf(b, comm)) - wanted) <= 1e-12 * largest(wanted));
+    TEST_EQUALITY(first->costs().setUps, 1L);
+    TEST_EQUALITY(first->costs().factorEntries > 0, second->holds());
+    TEST_THROW(CoarseProblem(second, nothing, m.q, {}), std::runtime_error);
+  }
+}
+
 // The same digits on all ranks: they take branches by them.
 TEUCHOS_UNIT_TEST(CoarseProblem, SameDigitsOnAllRanks) {
   const Model m;

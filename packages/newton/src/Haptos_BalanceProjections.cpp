@@ -116,7 +116,7 @@ ActiveCoarseProjection::ActiveCoarseProjection(const ContactOperators& dual, con
       contactWeights_(listOf(vectors.contact(weights))),
       contactRows_(contactRowsOf(*dual.GT, dual.pairs)),
       active_(contactRows_),
-      coarse_(dual.GGT->placement(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds()),
+      coarse_(dual.GGT->placement()->onNextRanks(), {*dual.GT, q_}, {contactRows_, contactWeights_}, weakened(gluing.holds()),
               CoarseProblem::Factor::WithRoughRenewal) {}
 
 // Contact rows of G_A: Y G_c^T with Y = 1 on closed normal rows, E sqrt(theta) E^T on tangential ones, 0 elsewhere.  For a force
