@@ -70,8 +70,8 @@ AssembledBodies::AssembledBodies(const Mesh& mesh, const std::vector<IsotropicMa
   Triplets triplets;
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
     const auto moduli = elasticModuli(materials[materialOfBlock[b]]);
-    if (mesh.blocks[b].topology == Topology::Hex8) addElements<Hex8Shape>(mesh, mesh.blocks[b], moduli, formulation, triplets);
-    else addElements<Tet4Shape>(mesh, mesh.blocks[b], moduli, formulation, triplets);
+    withShape(mesh.blocks[b].topology,
+              [&](auto shape) { addElements<decltype(shape)>(mesh, mesh.blocks[b], moduli, formulation, triplets); });
   }
   all_.resize(3 * Eigen::Index(mesh.numNodes()), 3 * Eigen::Index(mesh.numNodes()));
   all_.setFromTriplets(triplets.begin(), triplets.end());

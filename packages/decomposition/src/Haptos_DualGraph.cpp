@@ -16,16 +16,18 @@ namespace {
 using Index = std::int64_t;
 using Point = std::array<double, 3>;
 
+// Sides are known by their corners; those of quadratic elements must agree in the other nodes, too.
 struct Face {
-  std::array<int, 4> nodes;  // sorted; -1 first on triangles
+  std::array<int, 4> nodes;  // corners, sorted; -1 first on triangles
   int element;
   double area;
+  Index sumOfOthers;  // indices in the whole mesh
 };
 
 // A side that other ranks may have, too.
 struct SentFace {
   std::array<Index, 4> nodes;  // of the whole mesh, sorted; the last of a triangle is above all others
-  Index element, number;
+  Index element, number, sumOfOthers;
   double area;
   Point centroid;
 };
@@ -36,27 +38,27 @@ struct Edge {
 };
 
 // Area of a plane triangle or quadrilateral; of a warped one, that of its projection along its mean normal.
-double sideArea(const Mesh& mesh, const Index* element, const std::array<int, 4>& side, int nodes) {
+double sideArea(const Mesh& mesh, const Index* element, const SideNodes& side) {
   const auto diagonal = [&](int from, int to) {
     const auto &a = mesh.coordinates[std::size_t(element[side[from]])], &b = mesh.coordinates[std::size_t(element[side[to]])];
     return Point{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   };
-  const auto p = diagonal(0, 2), q = nodes == 3 ? diagonal(0, 1) : diagonal(1, 3);
+  const auto p = diagonal(0, 2), q = side.numCorners == 3 ? diagonal(0, 1) : diagonal(1, 3);
   return 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
 }
 
-std::vector<Face> sortedFaces(const Mesh& mesh) {
+std::vector<Face> sortedFaces(const PartialMesh& part) {
   std::vector<Face> faces;
   int element = 0;
-  for (const auto& block : mesh.blocks) {
+  for (const auto& block : part.mesh.blocks) {
     const int perElement = nodesPerElement(block.topology), sides = sidesPerElement(block.topology);
-    const int perSide = nodesPerSide(block.topology);
     for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
-      for (int side = 0; side < sides; ++side) {
+      for (int s = 0; s < sides; ++s) {
         const Index* nodes = &block.connectivity[e * std::size_t(perElement)];
-        const auto& local = sideNodes(block.topology, side);
-        Face face{{-1, -1, -1, -1}, element, sideArea(mesh, nodes, local, perSide)};
-        for (int i = 0; i < perSide; ++i) face.nodes[i] = int(nodes[local[i]]);
+        const auto& side = sideNodes(block.topology, s);
+        Face face{{-1, -1, -1, -1}, element, sideArea(part.mesh, nodes, side), 0};
+        for (int i = 0; i < side.numCorners; ++i) face.nodes[std::size_t(i)] = int(nodes[side[i]]);
+        std::for_each(side.endOfCorners(), side.end(), [&](int i) { face.sumOfOthers += part.nodes[std::size_t(nodes[i])]; });
         std::sort(face.nodes.begin(), face.nodes.end());
         faces.push_back(face);
       }
@@ -75,27 +77,28 @@ double couplingOf(double area, const Point& a, const Point& b) {
 
 SentFace sentFace(const OwnElements& own, const Face& face, const Point& centroid) {
   const auto e = std::size_t(face.element);
-  SentFace sent{{}, own.part.elements[e], own.part.mesh.elementNumbers[e], face.area, centroid};
+  SentFace sent{{}, own.part.elements[e], own.part.mesh.elementNumbers[e], face.sumOfOthers, face.area, centroid};
   std::transform(face.nodes.begin(), face.nodes.end(), sent.nodes.begin(),
                  [&](int node) { return node < 0 ? std::numeric_limits<Index>::max() : own.part.nodes[std::size_t(node)]; });
   std::sort(sent.nodes.begin(), sent.nodes.end());
   return sent;
 }
 
-// Joins the elements of this rank, and says which sides others may have or too many here do.
+// Joins the elements of this rank, and says which sides others may have, or do not fit here.
 std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<SentFace>& toSend) {
-  const auto faces = sortedFaces(own.part.mesh);
+  const auto faces = sortedFaces(own.part);
   const auto centroids = elementCentroids(own.part.mesh);
   const auto isShared = [&](int node) { return node < 0 || own.isShared[std::size_t(node)]; };
   std::vector<Edge> edges;
   for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
     while (j < faces.size() && faces[j].nodes == faces[i].nodes) ++j;
+    const bool fits = j - i == 1 || (j - i == 2 && faces[i].sumOfOthers == faces[i + 1].sumOfOthers);
     if (j - i == 2) {
       const int a = faces[i].element, b = faces[i + 1].element;
       const double coupling = couplingOf(faces[i].area, centroids[std::size_t(a)], centroids[std::size_t(b)]);
       edges.push_back({own.part.elements[std::size_t(a)], own.part.elements[std::size_t(b)], coupling});
     }
-    if (j - i <= 2 && !std::all_of(faces[i].nodes.begin(), faces[i].nodes.end(), isShared)) continue;
+    if (fits && !std::all_of(faces[i].nodes.begin(), faces[i].nodes.end(), isShared)) continue;
     for (std::size_t k = i; k < j; ++k) toSend.push_back(sentFace(own, faces[k], centroids[std::size_t(faces[k].element)]));
   }
   return edges;
@@ -112,6 +115,10 @@ void matchSentFaces(const OwnElements& own, std::vector<SentFace> faces, std::ve
       throw InputError("Mesh: elements " + std::to_string(faces[i].number) + ", " + std::to_string(faces[i + 1].number) + " and " +
                        std::to_string(faces[i + 2].number) + " share one side; at most two elements may. Is the mesh doubled?");
     if (j - i < 2) continue;
+    if (faces[i].sumOfOthers != faces[i + 1].sumOfOthers)
+      throw InputError("Mesh: elements " + std::to_string(faces[i].number) + " and " + std::to_string(faces[i + 1].number) +
+                       " share the corners of a side, but not the nodes in the middle of its edges or of itself; where linear and "
+                       "quadratic elements meet, or HEX27 and others, give each side nodes of its own and tie the two by a contact.");
     const Index a = faces[i].element, b = faces[i + 1].element;
     const int rankOfA = own.elements.owner(a), rankOfB = own.elements.owner(b);
     if (rankOfA == rankOfB) continue;  // joined there

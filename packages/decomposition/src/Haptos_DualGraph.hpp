@@ -20,8 +20,9 @@ std::vector<std::array<double, 3>> elementCentroids(const Mesh& mesh);
 
 /// \brief The rows of this rank's elements; neighbours are indices in the whole mesh.  Collective.
 ///
-/// A side that elements of several ranks may have meets its like on the rank in whose range its lowest node lies.
-/// \throws InputError on all ranks if more than two elements share a side.
+/// A side is known by its corners; one that elements of several ranks may have meets its like on the rank in whose range its
+/// lowest node lies.
+/// \throws InputError on all ranks if more than two elements share a side, or two its corners but not its other nodes.
 DualGraph buildDualGraph(const Communicator& comm, const OwnElements& own);
 
 }  // namespace Haptos

@@ -3,6 +3,7 @@
 
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -17,8 +18,9 @@ namespace {
 
 using Index = std::int64_t;
 
-// Small enough for cheap factors, large enough to keep the coarse problem small.
-constexpr double kElementsPerSubdomainHex = 180, kElementsPerSubdomainTet = 1500;
+// Elements of a subdomain that is small enough for cheap factors and large enough to keep the coarse problem small: 180 nodes
+// inside of it, but for linear tetrahedra, in the order of `Topology`.
+constexpr std::array<double, kNumTopologies> kElementsPerSubdomain = {180, 1500, 45, 22, 135, 360, 72, 540, 83};
 
 double idealCount(const Communicator& comm, const Mesh& mesh) {
   std::vector<Index> mine;
@@ -26,7 +28,7 @@ double idealCount(const Communicator& comm, const Mesh& mesh) {
   const auto all = sumOfAll(comm, mine);
   double count = 0;
   for (std::size_t b = 0; b < all.size(); ++b)
-    count += double(all[b]) / (mesh.blocks[b].topology == Topology::Hex8 ? kElementsPerSubdomainHex : kElementsPerSubdomainTet);
+    count += double(all[b]) / kElementsPerSubdomain[std::size_t(mesh.blocks[b].topology)];
   return count;
 }
 

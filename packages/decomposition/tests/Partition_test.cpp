@@ -58,8 +58,7 @@ std::vector<std::vector<int>> neighboursThroughSides(const Mesh& mesh) {
     for (std::size_t e = 0; e < block.numElements(); ++e, ++element)
       for (int s = 0; s < sidesPerElement(block.topology); ++s) {
         std::set<std::int64_t> nodes;
-        for (int i = 0; i < nodesPerSide(block.topology); ++i)
-          nodes.insert(block.connectivity[e * n + sideNodes(block.topology, s)[i]]);
+        for (const int i : sideNodes(block.topology, s)) nodes.insert(block.connectivity[e * n + i]);
         sides[nodes].push_back(element);
       }
   }

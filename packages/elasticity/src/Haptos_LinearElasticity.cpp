@@ -17,20 +17,20 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 template <class Shape>
-using NodeColumns = Eigen::Matrix<double, 3, Shape::numNodes>;
+using NodeColumns = Eigen::Matrix<double, 3, Shape::numNodes, Eigen::ColMajor, 3, Shape::maxNodes>;
 
 // The same 3 numNodes numbers as a vector and as columns of nodes.
 template <class Shape>
-Eigen::Map<const NodeColumns<Shape>> asColumns(const double* entries) {
-  return Eigen::Map<const NodeColumns<Shape>>(entries);
+Eigen::Map<const NodeColumns<Shape>> asColumns(const double* entries, int numNodes) {
+  return Eigen::Map<const NodeColumns<Shape>>(entries, 3, numNodes);
 }
 
 // From the element's first node: a mesh far from the origin loses no digits of its edges.
 template <class Shape>
-NodeColumns<Shape> relativeCoordinates(const Coordinates& coordinates, const int* nodes) {
-  NodeColumns<Shape> x;
+NodeColumns<Shape> relativeCoordinates(const Coordinates& coordinates, const int* nodes, int numNodes) {
+  NodeColumns<Shape> x(3, numNodes);
   const auto& origin = coordinates[std::size_t(nodes[0])];
-  for (int a = 0; a < Shape::numNodes; ++a)
+  for (int a = 0; a < numNodes; ++a)
     for (int i = 0; i < 3; ++i)
       x(i, a) = coordinates[std::size_t(nodes[a])][std::size_t(i)] - origin[std::size_t(i)];
   return x;
@@ -39,7 +39,7 @@ NodeColumns<Shape> relativeCoordinates(const Coordinates& coordinates, const int
 // J_ik = dx_i/dxi_k
 template <class Shape>
 Matrix3d jacobian(const NodeColumns<Shape>& x, const ReferenceElement& rule, int point) {
-  return x * asColumns<Shape>(rule.gradients.col(point).data()).transpose();
+  return x * asColumns<Shape>(rule.gradients.col(point).data(), int(x.cols())).transpose();
 }
 
 double determinantOf(const Matrix3d& j) { return j.col(0).dot(j.col(1).cross(j.col(2))); }
@@ -52,7 +52,7 @@ bool isAcceptable(const Matrix3d& j, double determinant) {
 // Which of three mistakes it is, as each has a remedy of its own: nodes in mirrored order, a folded element, one without volume.
 template <class Shape>
 [[noreturn]] void throwBadElement(const NodeColumns<Shape>& x, const ElementGroup& group, int element) {
-  const auto& rule = stiffnessRule(Shape::topology);
+  const auto& rule = stiffnessRule(group.topology);
   int negative = 0, bad = 0, worst = 0;
   double lowest = std::numeric_limits<double>::infinity();
   for (int p = 0; p < rule.numPoints(); ++p) {
@@ -80,6 +80,24 @@ template <class Shape>
   throw InputError(message.str());
 }
 
+// Along a straight edge x = a + (1 + xi) / 2 (b - a) + (1 - xi^2) (middle - (a + b) / 2): dx/dxi keeps its direction on [-1, 1] while
+// the middle lies between 1/4 (a crack tip's) and 3/4.
+template <class Shape>
+void checkMiddles(const NodeColumns<Shape>& x, const ElementGroup& group, int element) {
+  constexpr double kRoundOff = 1e-6;
+  const ElementShape& shape = elementShape(group.topology);
+  for (int i = 0; shape.hasMidNodes() && i < shape.numEdges; ++i) {
+    const auto& edge = shape.edges[std::size_t(i)];
+    const int middle = shape.numCorners + i;
+    const Vector3d along = x.col(edge[1]) - x.col(edge[0]);
+    const double place = (x.col(middle) - x.col(edge[0])).dot(along) / along.squaredNorm();
+    HAPTOS_REFUSE_IF(std::abs(place - 0.5) > 0.25 + kRoundOff,
+                     describeElement(group, element) << " has its node " << middle + 1 << ", which belongs in the middle between its nodes "
+                                                     << edge[0] + 1 << " and " << edge[1] + 1 << ", at " << place
+                                                     << " of the way; it must lie between 1/4 and 3/4, or the edge folds back: move it");
+  }
+}
+
 // sigma = shear (H + H^T) + dilatational tr(H) I, where H_ij = du_i/dx_j
 Matrix3d stressOf(const Matrix3d& h, double shear, double dilatational) {
   Matrix3d sigma = shear * (h + h.transpose());
@@ -89,9 +107,9 @@ Matrix3d stressOf(const Matrix3d& h, double shear, double dilatational) {
 
 // u on the element's nodes.
 template <class Shape>
-ElementVector<Shape> gather(const Eigen::Ref<const Eigen::VectorXd>& u, const int* nodes) {
-  ElementVector<Shape> local;
-  for (int a = 0; a < Shape::numNodes; ++a)
+ElementVector<Shape> gather(const Eigen::Ref<const Eigen::VectorXd>& u, const int* nodes, int numNodes) {
+  ElementVector<Shape> local(3 * numNodes);
+  for (int a = 0; a < numNodes; ++a)
     local.template segment<3>(3 * a) = u.segment<3>(3 * Eigen::Index(nodes[a]));
   return local;
 }
@@ -103,8 +121,9 @@ void groupStresses(const Coordinates& coordinates, const ElementGroup& group, co
   for (int e = 0; e < group.numElements(); ++e) {
     const auto gradients = elementGradients<Shape>(coordinates, group, e);
     const ElementVector<Shape> mean = gradients.at * gradients.volumes / gradients.volumes.sum();
-    const ElementVector<Shape> local = gather<Shape>(u, group.nodes(e));
-    const Matrix3d h = asColumns<Shape>(local.data()) * asColumns<Shape>(mean.data()).transpose();
+    const int n = gradients.numNodes();
+    const ElementVector<Shape> local = gather<Shape>(u, group.nodes(e), n);
+    const Matrix3d h = asColumns<Shape>(local.data(), n) * asColumns<Shape>(mean.data(), n).transpose();
     const Matrix3d s = stressOf(h, moduli.shear, moduli.lambda);
     stresses.push_back({s(0, 0), s(1, 1), s(2, 2), s(0, 1), s(1, 2), s(2, 0)});
   }
@@ -127,18 +146,22 @@ ElasticModuli elasticModuli(const IsotropicMaterial& material) {
 template <class Shape>
 ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const ElementGroup& group,
                                          int element) {
-  const auto& rule = stiffnessRule(Shape::topology);
-  const auto x = relativeCoordinates<Shape>(coordinates, group.nodes(element));
+  const auto& rule = stiffnessRule(group.topology);
+  const int n = rule.numNodes();
+  const auto x = relativeCoordinates<Shape>(coordinates, group.nodes(element), n);
+  if constexpr (Shape::numNodes == Eigen::Dynamic) checkMiddles<Shape>(x, group, element);
   ElementGradients<Shape> result;
-  for (int p = 0; p < Shape::numPoints; ++p) {
+  result.at.resize(3 * n, rule.numPoints());
+  result.volumes.resize(rule.numPoints());
+  for (int p = 0; p < rule.numPoints(); ++p) {
     const Matrix3d j = jacobian<Shape>(x, rule, p);
     Matrix3d cofactor;  // J^-T = cofactor / det J
     cofactor << j.col(1).cross(j.col(2)), j.col(2).cross(j.col(0)), j.col(0).cross(j.col(1));
     const double determinant = j.col(0).dot(cofactor.col(0));
     if (!isAcceptable(j, determinant)) throwBadElement<Shape>(x, group, element);
     const Matrix3d inverseTranspose = cofactor / determinant;
-    Eigen::Map<NodeColumns<Shape>>(result.at.col(p).data()).noalias() =
-        inverseTranspose * asColumns<Shape>(rule.gradients.col(p).data());
+    Eigen::Map<NodeColumns<Shape>>(result.at.col(p).data(), 3, n).noalias() =
+        inverseTranspose * asColumns<Shape>(rule.gradients.col(p).data(), n);
     result.volumes(p) = rule.weights(p) * determinant;
   }
   return result;
@@ -156,10 +179,16 @@ void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticMod
   // Scaled by square roots, M = S S^T is symmetric to the last digit, and so is K.
   const decltype(gradients.at) s = gradients.at * gradients.volumes.cwiseSqrt().asDiagonal();
   ElementMatrix<Shape> m;
-  m.noalias() = s.lazyProduct(s.transpose());
-
-  for (int b = 0; b < Shape::numNodes; ++b)
-    for (int a = 0; a < Shape::numNodes; ++a) {
+  if constexpr (Shape::numNodes != Eigen::Dynamic) {
+    m.noalias() = s.lazyProduct(s.transpose());
+  } else {
+    m.setZero(s.rows(), s.rows());
+    m.template selfadjointView<Eigen::Lower>().rankUpdate(s);
+    m.template triangularView<Eigen::StrictlyUpper>() = m.transpose();
+    stiffness.resize(s.rows(), s.rows());
+  }
+  for (int b = 0; b < gradients.numNodes(); ++b)
+    for (int a = 0; a < gradients.numNodes(); ++a) {
       const Matrix3d block = m.template block<3, 3>(3 * a, 3 * b);
       Matrix3d k = c * block + moduli.shear * block.transpose();
       k.diagonal().array() += moduli.shear * block.trace();
@@ -178,17 +207,18 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
                                   Formulation formulation, const ElementVector<Shape>& displacement) {
   const bool bbar = formulation == Formulation::BBar;
   const double c = bbar ? -2.0 / 3.0 * moduli.shear : moduli.lambda;
-  const auto u = asColumns<Shape>(displacement.data());
-  NodeColumns<Shape> force = NodeColumns<Shape>::Zero();
+  const int n = gradients.numNodes();
+  const auto u = asColumns<Shape>(displacement.data(), n);
+  NodeColumns<Shape> force = NodeColumns<Shape>::Zero(3, n);
   double dilatation = 0.0;  // integral of div u
-  for (int p = 0; p < Shape::numPoints; ++p) {
-    const auto gradient = asColumns<Shape>(gradients.at.col(p).data());
+  for (int p = 0; p < gradients.numPoints(); ++p) {
+    const auto gradient = asColumns<Shape>(gradients.at.col(p).data(), n);
     const Matrix3d h = u * gradient.transpose();
     const Matrix3d weightedStress = gradients.volumes(p) * stressOf(h, moduli.shear, c);
     force += weightedStress * gradient;
     dilatation += gradients.volumes(p) * h.trace();
   }
-  ElementVector<Shape> result = Eigen::Map<const ElementVector<Shape>>(force.data());
+  ElementVector<Shape> result = Eigen::Map<const ElementVector<Shape>>(force.data(), 3 * n);
   if (bbar) {
     const double pressure = moduli.bulk * dilatation / gradients.volumes.sum();
     result += pressure * (gradients.at * gradients.volumes);
@@ -196,7 +226,13 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
   return result;
 }
 
-// One stress an element, of groups of either shape.
+void checkElements(const Coordinates& coordinates, const ElementGroup& group) {
+  withShape(group.topology, [&](auto shape) {
+    for (int e = 0; e < group.numElements(); ++e) elementGradients<decltype(shape)>(coordinates, group, e);
+  });
+}
+
+// One stress an element.
 std::vector<Stress> elementStresses(const Coordinates& coordinates, const ElementGroup& group,
                                     const IsotropicMaterial& material,
                                     const Eigen::Ref<const Eigen::VectorXd>& displacement) {
@@ -204,10 +240,7 @@ std::vector<Stress> elementStresses(const Coordinates& coordinates, const Elemen
   const auto moduli = elasticModuli(material);
   std::vector<Stress> stresses;
   stresses.reserve(std::size_t(group.numElements()));
-  if (group.topology == Topology::Hex8)
-    groupStresses<Hex8Shape>(coordinates, group, moduli, displacement, stresses);
-  else
-    groupStresses<Tet4Shape>(coordinates, group, moduli, displacement, stresses);
+  withShape(group.topology, [&](auto shape) { groupStresses<decltype(shape)>(coordinates, group, moduli, displacement, stresses); });
   return stresses;
 }
 
@@ -216,15 +249,14 @@ double vonMises(const Stress& s) {
   return std::sqrt(0.5 * (xy * xy + yz * yz + zx * zx) + 3.0 * (s[3] * s[3] + s[4] * s[4] + s[5] * s[5]));
 }
 
-template ElementGradients<Hex8Shape> elementGradients(const Coordinates&, const ElementGroup&, int);
-template ElementGradients<Tet4Shape> elementGradients(const Coordinates&, const ElementGroup&, int);
-template void elementStiffness(const ElementGradients<Hex8Shape>&, const ElasticModuli&, Formulation,
-                               ElementMatrix<Hex8Shape>&);
-template void elementStiffness(const ElementGradients<Tet4Shape>&, const ElasticModuli&, Formulation,
-                               ElementMatrix<Tet4Shape>&);
-template ElementVector<Hex8Shape> elementForce(const ElementGradients<Hex8Shape>&, const ElasticModuli&,
-                                               Formulation, const ElementVector<Hex8Shape>&);
-template ElementVector<Tet4Shape> elementForce(const ElementGradients<Tet4Shape>&, const ElasticModuli&,
-                                               Formulation, const ElementVector<Tet4Shape>&);
+#define HAPTOS_INSTANTIATE(Shape)                                                                                               \
+  template ElementGradients<Shape> elementGradients(const Coordinates&, const ElementGroup&, int);                              \
+  template void elementStiffness(const ElementGradients<Shape>&, const ElasticModuli&, Formulation, ElementMatrix<Shape>&);     \
+  template ElementVector<Shape> elementForce(const ElementGradients<Shape>&, const ElasticModuli&, Formulation,                 \
+                                             const ElementVector<Shape>&);
+HAPTOS_INSTANTIATE(Hex8Shape)
+HAPTOS_INSTANTIATE(Tet4Shape)
+HAPTOS_INSTANTIATE(AnyShape)
+#undef HAPTOS_INSTANTIATE
 
 }  // namespace Haptos

@@ -32,37 +32,55 @@ ElasticModuli elasticModuli(const IsotropicMaterial& material);
 /// volumetric locking near nu = 1/2.  On Tet4 the two are the same.
 enum class Formulation { Standard, BBar };
 
-/// \brief Compile-time sizes of an element with its stiffness rule.
+/// \name Sizes of an element with its stiffness rule, fixed for the most frequent ones and at run time for all others
+///@{
 struct Hex8Shape {
-  static constexpr Topology topology = Topology::Hex8;
-  static constexpr int numNodes = 8, numPoints = 8;
+  static constexpr int numNodes = 8, numPoints = 8, maxNodes = 8, maxPoints = 8;
 };
 struct Tet4Shape {
-  static constexpr Topology topology = Topology::Tet4;
-  static constexpr int numNodes = 4, numPoints = 1;
+  static constexpr int numNodes = 4, numPoints = 1, maxNodes = 4, maxPoints = 1;
 };
+struct AnyShape {
+  static constexpr int numNodes = Eigen::Dynamic, numPoints = Eigen::Dynamic, maxNodes = 27, maxPoints = 27;
+};
+///@}
+
+/// \brief visit(Shape) with the sizes for a topology.
+template <class Visit>
+void withShape(Topology topology, const Visit& visit) {
+  if (topology == Topology::Hex8) visit(Hex8Shape{});
+  else if (topology == Topology::Tet4) visit(Tet4Shape{});
+  else visit(AnyShape{});
+}
+
+template <class Shape>
+inline constexpr int kDofs = Shape::numNodes == Eigen::Dynamic ? Eigen::Dynamic : 3 * Shape::numNodes;
 
 /// \brief Entry `3 a + i` belongs to node a (Exodus order) and direction i.
 template <class Shape>
-using ElementVector = Eigen::Matrix<double, 3 * Shape::numNodes, 1>;
+using ElementVector = Eigen::Matrix<double, kDofs<Shape>, 1, Eigen::ColMajor, 3 * Shape::maxNodes, 1>;
 template <class Shape>
-using ElementMatrix = Eigen::Matrix<double, 3 * Shape::numNodes, 3 * Shape::numNodes>;
+using ElementMatrix = Eigen::Matrix<double, kDofs<Shape>, kDofs<Shape>, Eigen::ColMajor, 3 * Shape::maxNodes, 3 * Shape::maxNodes>;
 
 /// \brief Shape function gradients of one element at its cubature points.
 template <class Shape>
 struct ElementGradients {
-  Eigen::Matrix<double, 3 * Shape::numNodes, Shape::numPoints> at;  ///< column p, row 3 a + i: dN_a/dx_i
-  Eigen::Matrix<double, Shape::numPoints, 1> volumes;               ///< w_p det J_p > 0
+  /// column p, row 3 a + i: dN_a/dx_i
+  Eigen::Matrix<double, kDofs<Shape>, Shape::numPoints, Eigen::ColMajor, 3 * Shape::maxNodes, Shape::maxPoints> at;
+  Eigen::Matrix<double, Shape::numPoints, 1, Eigen::ColMajor, Shape::maxPoints, 1> volumes;  ///< w_p det J_p > 0
+
+  int numNodes() const { return int(at.rows()) / 3; }
+  int numPoints() const { return int(at.cols()); }
 };
 
-/// \brief Gradients of one element of `group`, whose topology is that of `Shape`.
+/// \brief Gradients of one element of `group`, whose topology has the sizes of `Shape`.
 ///
 /// Coordinates enter relative to the element's first node, so that translated copies give the same
 /// digits as far as the coordinates themselves do.
 ///
 /// \throws InputError naming the element if a coordinate is not finite, or if the element is inverted,
 ///   folded or flat (det J <= 1e-12 times the product of the lengths of the columns of J) at a cubature
-///   point.
+///   point, or if the node in the middle of an edge does not lie in the middle half of it (the edge would fold back).
 template <class Shape>
 ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const ElementGroup& group,
                                          int element);
@@ -79,6 +97,9 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
 
 /// \brief Stress components in the order xx, yy, zz, xy, yz, zx.
 using Stress = std::array<double, 6>;
+
+/// \brief elementGradients of every element of a group, for what it throws.
+void checkElements(const Coordinates& coordinates, const ElementGroup& group);
 
 /// \brief Stress of every element of a group [numElements], averaged over its volume.
 ///

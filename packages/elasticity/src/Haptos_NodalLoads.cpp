@@ -15,12 +15,14 @@ namespace {
 using Eigen::Index;
 using Eigen::Vector3d;
 
-// Nodes of an element or a side, at most eight: first node, and places relative to it.
+constexpr int kMaxNodes = 27;
+
+// Nodes of an element or a side: first node, and places relative to it.
 struct Patch {
-  std::array<int, 8> nodes{};
+  std::array<int, kMaxNodes> nodes{};
   int numNodes = 0;
   Vector3d origin = Vector3d::Zero();
-  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, 8> relative;
+  Eigen::Matrix<double, 3, Eigen::Dynamic, Eigen::ColMajor, 3, kMaxNodes> relative;
 };
 
 // One cubature point of a patch: place x, N_a(x), and the weighted normal or volume there.
@@ -75,15 +77,13 @@ void visitPoints(const Patch& patch, const ReferenceElement& rule, const Visit& 
 template <class Visit>
 void visitSidePoints(const Coordinates& coordinates, const ElementGroup& group,
                      const std::vector<GroupSide>& sides, const Visit& visit) {
-  const auto& rule = sideRule(group.topology);
   for (const auto& side : sides) {
     TEUCHOS_ASSERT(side.element >= 0 && side.element < group.numElements());
-    TEUCHOS_ASSERT(side.side >= 0 && side.side < sidesPerElement(group.topology));
-    const auto& corners = sideNodes(group.topology, side.side);
-    std::array<int, 4> nodes{};
-    for (int a = 0; a < rule.numNodes(); ++a)
-      nodes[std::size_t(a)] = group.nodes(side.element)[corners[std::size_t(a)]];
-    const auto patch = makePatch(coordinates, nodes.data(), rule.numNodes());
+    const auto& positions = sideNodes(group.topology, side.side);
+    const auto& rule = sideRule(positions.shape);
+    std::array<int, 9> nodes{};
+    for (int a = 0; a < positions.numNodes; ++a) nodes[std::size_t(a)] = group.nodes(side.element)[positions[a]];
+    const auto patch = makePatch(coordinates, nodes.data(), positions.numNodes);
     visitPoints(patch, rule, [&](const PatchPoint& point) { visit(side, patch, point); });
   }
 }

@@ -8,8 +8,10 @@ namespace Haptos {
 
 /// \brief Shape functions N_a of a reference cell, tabulated at the points of one cubature rule.
 ///
-/// Nodes are in Exodus order.  The tables come from Intrepid2's bases and cubature; a new element adds
-/// one line to the tables in the .cpp (and a permutation where Intrepid2's node order differs from Exodus').
+/// Nodes are in Exodus order, which is Intrepid2's, too.  The tables come from Intrepid2's bases and cubature.  The serendipity
+/// functions of HEX20, WEDGE15 and QUAD8, which Intrepid2 13.2 lacks, are combinations of those of HEX27, WEDGE18 and QUAD9; those
+/// of PYRAMID13 are products of the linear ones with affine functions (G. Bedrosian, Int. J. Numer. Meth. Engng 35 (1992) 95).
+/// Reference cells: [-1, 1]^3; the unit tetrahedron; unit triangle x [-1, 1]; base [-1, 1]^2 with its apex at (0, 0, 1).
 struct ReferenceElement {
   Eigen::MatrixXd points;     ///< [dimension x numPoints], reference coordinates xi
   Eigen::VectorXd weights;    ///< [numPoints], they sum to the volume of the reference cell
@@ -21,17 +23,20 @@ struct ReferenceElement {
   int numNodes() const { return int(values.rows()); }
 };
 
-/// \brief Rule for the stiffness: Hex8 2x2x2 Gauss, Tet4 one point.
+/// \brief The functions at points of the reference cell, without weights.
+ReferenceElement shapeFunctionsAt(Topology topology, const Eigen::Matrix3Xd& points);
+
+/// \brief Rule for the stiffness, exact on affine elements; all its weights are positive.
 ///
+/// HEX8 2x2x2 Gauss, TET4 one point, TET10 four, WEDGE6 six, PYRAMID5 2x2x2, HEX20, HEX27 and PYRAMID13 3x3x3, WEDGE15 18.
 /// This and the rules below are computed at the first call, which needs Kokkos to be initialised.
 const ReferenceElement& stiffnessRule(Topology topology);
 
-/// \brief Rule for loads in the volume, exact for linear loads on affine elements: Hex8 2x2x2, Tet4 four
-/// points.
+/// \brief Rule for loads in the volume, exact for linear loads on affine elements.
 const ReferenceElement& bodyLoadRule(Topology topology);
 
-/// \brief Rule on the sides of an element, exact for linear loads on flat parallelograms and triangles:
-/// quadrilateral 2x2 Gauss, triangle three points.  Nodes as `sideNodes(topology, side)` lists them.
-const ReferenceElement& sideRule(Topology topology);
+/// \brief Rule on sides, exact for linear loads on flat parallelograms and straight triangles, and for uniform pressure on
+/// curved sides.  Nodes as `SideNodes` list them.
+const ReferenceElement& sideRule(SideShape shape);
 
 }  // namespace Haptos

@@ -104,12 +104,13 @@ SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
 template <class Shape>
 void scatter(const ElementMatrix<Shape>& element, const int* nodes, const IndexLists& neighbours,
              SparseMatrix& k) {
-  for (int b = 0; b < Shape::numNodes; ++b) {
+  const int numNodes = int(element.rows()) / 3;
+  for (int b = 0; b < numNodes; ++b) {
     const int* first = neighbours.begin(nodes[b]);
     const int* last = neighbours.end(nodes[b]);
     double* column = k.valuePtr() + k.outerIndexPtr()[3 * nodes[b]];
     const std::ptrdiff_t stride = 3 * (last - first);
-    for (int a = 0; a < Shape::numNodes; ++a) {
+    for (int a = 0; a < numNodes; ++a) {
       double* entry = column + 3 * (std::lower_bound(first, last, nodes[a]) - first);
       for (int j = 0; j < 3; ++j)
         for (int i = 0; i < 3; ++i) entry[j * stride + i] += element(3 * a + i, 3 * b + j);
@@ -132,13 +133,14 @@ template <class Shape>
 void applyGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
                 Formulation formulation, const Eigen::Ref<const Eigen::VectorXd>& u,
                 Eigen::Ref<Eigen::VectorXd> Ku) {
-  ElementVector<Shape> local;
+  const int n = nodesPerElement(group.topology);
+  ElementVector<Shape> local(3 * n);
   for (int e = 0; e < group.numElements(); ++e) {
     const int* nodes = group.nodes(e);
-    for (int a = 0; a < Shape::numNodes; ++a) local.template segment<3>(3 * a) = u.segment<3>(3 * nodes[a]);
+    for (int a = 0; a < n; ++a) local.template segment<3>(3 * a) = u.segment<3>(3 * nodes[a]);
     const auto force =
         elementForce<Shape>(elementGradients<Shape>(coordinates, group, e), moduli, formulation, local);
-    for (int a = 0; a < Shape::numNodes; ++a) Ku.segment<3>(3 * nodes[a]) += force.template segment<3>(3 * a);
+    for (int a = 0; a < n; ++a) Ku.segment<3>(3 * nodes[a]) += force.template segment<3>(3 * a);
   }
 }
 
@@ -158,10 +160,7 @@ SparseMatrix assembleStiffness(const Coordinates& coordinates, const std::vector
   auto k = blockPattern(numNodes, neighbours);
   for (const auto& group : groups) {
     const auto moduli = moduliOf(group, materials);
-    if (group.topology == Topology::Hex8)
-      addGroup<Hex8Shape>(coordinates, group, moduli, formulation, neighbours, k);
-    else
-      addGroup<Tet4Shape>(coordinates, group, moduli, formulation, neighbours, k);
+    withShape(group.topology, [&](auto shape) { addGroup<decltype(shape)>(coordinates, group, moduli, formulation, neighbours, k); });
   }
   return k;
 }
@@ -174,10 +173,7 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
   Ku.setZero();
   for (const auto& group : groups) {
     const auto moduli = moduliOf(group, materials);
-    if (group.topology == Topology::Hex8)
-      applyGroup<Hex8Shape>(coordinates, group, moduli, formulation, u, Ku);
-    else
-      applyGroup<Tet4Shape>(coordinates, group, moduli, formulation, u, Ku);
+    withShape(group.topology, [&](auto shape) { applyGroup<decltype(shape)>(coordinates, group, moduli, formulation, u, Ku); });
   }
 }
 

@@ -23,8 +23,7 @@ std::vector<GroupSide> surfaceSides(const ElementGroup& group) {
   for (int e = 0; e < group.numElements(); ++e)
     for (int s = 0; s < sidesPerElement(group.topology); ++s) {
       std::vector<int> key;
-      for (int a = 0; a < nodesPerSide(group.topology); ++a)
-        key.push_back(group.nodes(e)[sideNodes(group.topology, s)[std::size_t(a)]]);
+      for (const int position : sideNodes(group.topology, s)) key.push_back(group.nodes(e)[position]);
       std::sort(key.begin(), key.end());
       byNodes[key].push_back({e, s});
     }
@@ -39,10 +38,8 @@ std::vector<GroupSide> sidesAt(const Solid& solid, int axis, double place) {
   const auto& group = solid.groups[0];
   for (const auto& side : surfaceSides(group)) {
     bool all = true;
-    for (int a = 0; a < nodesPerSide(group.topology); ++a) {
-      const int node = group.nodes(side.element)[sideNodes(group.topology, side.side)[std::size_t(a)]];
-      all = all && solid.coordinates[std::size_t(node)][std::size_t(axis)] == place;
-    }
+    for (const int position : sideNodes(group.topology, side.side))
+      all = all && solid.coordinates[std::size_t(group.nodes(side.element)[position])][std::size_t(axis)] == place;
     if (all) sides.push_back(side);
   }
   return sides;

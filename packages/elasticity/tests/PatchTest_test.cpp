@@ -23,9 +23,8 @@ bool isDistorted(const Solid& solid) {
   const auto& group = solid.groups[0];
   double smallest = 1.0, largest = 0.0;
   for (int e = 0; e < group.numElements(); ++e) {
-    const double volume = group.topology == Topology::Hex8
-                              ? elementGradients<Hex8Shape>(solid.coordinates, group, e).volumes.sum()
-                              : elementGradients<Tet4Shape>(solid.coordinates, group, e).volumes.sum();
+    double volume = 0;
+    withShape(group.topology, [&](auto shape) { volume = elementGradients<decltype(shape)>(solid.coordinates, group, e).volumes.sum(); });
     smallest = std::min(smallest, volume);
     largest = std::max(largest, volume);
   }

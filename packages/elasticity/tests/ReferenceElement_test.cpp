@@ -50,7 +50,7 @@ TEUCHOS_UNIT_TEST(ReferenceElement, TetTablesFollowExodusOrder) {
 
 // Integrals of products of two linear functions over the reference triangle and tetrahedron.
 TEUCHOS_UNIT_TEST(ReferenceElement, LoadRulesIntegrateProductsOfLinearFunctions) {
-  const auto& tri = Haptos::sideRule(Topology::Tet4);
+  const auto& tri = Haptos::sideRule(Haptos::SideShape::Triangle3);
   const auto& tet = Haptos::bodyLoadRule(Topology::Tet4);
   TEST_EQUALITY(tri.numPoints(), 3);
   for (int a = 0; a < 3; ++a)
@@ -66,7 +66,7 @@ TEUCHOS_UNIT_TEST(ReferenceElement, LoadRulesIntegrateProductsOfLinearFunctions)
 }
 
 TEUCHOS_UNIT_TEST(ReferenceElement, QuadSideRuleIsTwoByTwo) {
-  const auto& quad = Haptos::sideRule(Topology::Hex8);
+  const auto& quad = Haptos::sideRule(Haptos::SideShape::Quad4);
   TEST_EQUALITY(quad.numPoints(), 4);
   TEST_FLOATING_EQUALITY(quad.weights.sum(), 4.0, 1e-14);
   for (int a = 0; a < 4; ++a)

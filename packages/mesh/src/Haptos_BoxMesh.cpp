@@ -132,9 +132,7 @@ class BoxBuilder {
   bool liesOnFace(int inCell, int side, int axis, bool upper) const {
     const auto& nodes = sideNodes(spec_.topology, side);
     const int* at = cornersOfElement(spec_.topology, inCell);
-    for (int i = 0; i < nodesPerSide(spec_.topology); ++i)
-      if (corners[std::size_t(at[nodes[std::size_t(i)]])][std::size_t(axis)] != int(upper)) return false;
-    return true;
+    return std::all_of(nodes.begin(), nodes.end(), [&](int node) { return corners[std::size_t(at[node])][std::size_t(axis)] == int(upper); });
   }
 
   const BoxSpec& spec_;

@@ -6,7 +6,6 @@
 
 #include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -57,27 +56,6 @@ int openForReading(const std::string& path) {
 
 std::string quoted(Index id, const std::string& name) {
   return std::to_string(id) + (name.empty() ? "" : " ('" + name + "')");
-}
-
-/// \brief "hex8" -> {"HEX", "8"}
-std::pair<std::string, std::string> splitTypeName(std::string type) {
-  std::transform(type.begin(), type.end(), type.begin(),
-                 [](unsigned char c) { return char(std::toupper(c)); });
-  type.erase(type.find_last_not_of(' ') + 1);
-  const auto digits = type.find_last_not_of("0123456789") + 1;
-  return {type.substr(0, digits), type.substr(digits)};
-}
-
-/// Exodus has no list of type names: codes write "HEX", "HEX8", "hexahedron".
-bool isHex8(const std::string& type, Index nodes) {
-  const auto [family, digits] = splitTypeName(type);
-  return (family == "HEX" || family == "HEXAHEDRON") && (digits.empty() || digits == "8") && nodes == 8;
-}
-
-bool isTet4(const std::string& type, Index nodes) {
-  const auto [family, digits] = splitTypeName(type);
-  return (family == "TET" || family == "TETRA" || family == "TETRAHEDRON") &&
-         (digits.empty() || digits == "4") && nodes == 4;
 }
 
 /// \brief A stretch of one of several arrays that are counted one after the other.
@@ -298,11 +276,12 @@ class Reader {
     if (info.num_entry == 0) return 0;  // "NULL", or any type without elements
 
     info.topology[MAX_STR_LENGTH] = '\0';
-    if (isTet4(info.topology, info.num_nodes_per_entry))
-      block.topology = Topology::Tet4;
-    else if (!isHex8(info.topology, info.num_nodes_per_entry))
+    int topology = 0;
+    while (topology < kNumTopologies && !isNameOf(Topology(topology), info.topology, int(info.num_nodes_per_entry))) ++topology;
+    if (topology == kNumTopologies)
       refuse(what + " has elements of type '" + info.topology + "' with " +
-             std::to_string(info.num_nodes_per_entry) + " nodes; only HEX8 and TET4 are supported.");
+             std::to_string(info.num_nodes_per_entry) + " nodes; those that can be read are " + listTopologies() + ".");
+    block.topology = Topology(topology);
     return Index(checkedCount(info.num_entry, "elements in " + what));
   }
 

@@ -10,12 +10,6 @@
 namespace Haptos {
 namespace {
 
-// Exodus' side tables (manual, section "side sets"), 0-based; a triangle leaves its fourth entry -1.
-constexpr std::array<std::array<int, 4>, 6> hexSides = {
-    {{0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {0, 4, 7, 3}, {0, 3, 2, 1}, {4, 5, 6, 7}}};
-constexpr std::array<std::array<int, 4>, 4> tetSides = {
-    {{0, 1, 3, -1}, {1, 2, 3, -1}, {0, 3, 2, -1}, {0, 2, 1, -1}}};
-
 // A name first, then a number: a block may be called "2".
 template <class Entity>
 int findEntity(const std::vector<Entity>& all, const std::string& nameOrNumber, const char* kind) {
@@ -48,16 +42,6 @@ std::string listEntities(const std::vector<Entity>& all) {
 
 }  // namespace
 
-const char* topologyName(Topology topology) { return topology == Topology::Hex8 ? "HEX8" : "TETRA4"; }
-int nodesPerElement(Topology topology) { return topology == Topology::Hex8 ? 8 : 4; }
-int sidesPerElement(Topology topology) { return topology == Topology::Hex8 ? 6 : 4; }
-int nodesPerSide(Topology topology) { return topology == Topology::Hex8 ? 4 : 3; }
-
-const std::array<int, 4>& sideNodes(Topology topology, int side) {
-  TEUCHOS_ASSERT(side >= 0 && side < sidesPerElement(topology));
-  return topology == Topology::Hex8 ? hexSides[std::size_t(side)] : tetSides[std::size_t(side)];
-}
-
 std::size_t Mesh::numElements() const {
   std::size_t count = 0;
   for (const auto& block : blocks) count += block.numElements();
@@ -82,11 +66,9 @@ std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::i
                                       ElementSide side) {
   const auto where = locateElement(offsets, side.element);
   const auto& block = mesh.blocks[std::size_t(where.block)];
-  const auto& positions = sideNodes(block.topology, side.side);
   const auto first = where.position * nodesPerElement(block.topology);
-  std::vector<std::int64_t> nodes(std::size_t(nodesPerSide(block.topology)));
-  for (std::size_t i = 0; i < nodes.size(); ++i)
-    nodes[i] = block.connectivity[std::size_t(first + positions[i])];
+  std::vector<std::int64_t> nodes;
+  for (const int position : sideNodes(block.topology, side.side)) nodes.push_back(block.connectivity[std::size_t(first + position)]);
   return nodes;
 }
 

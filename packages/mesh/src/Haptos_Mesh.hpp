@@ -5,21 +5,9 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_ElementShape.hpp"
+
 namespace Haptos {
-
-/// \brief Element shapes, with Exodus' node and side order.
-enum class Topology { Hex8, Tet4 };
-
-/// \brief Exodus' name of a topology ("HEX8", "TETRA4").
-const char* topologyName(Topology topology);
-int nodesPerElement(Topology topology);
-int sidesPerElement(Topology topology);
-int nodesPerSide(Topology topology);
-
-/// \brief Nodes of one side, as positions in the element's connectivity (0-based), outward by the right-hand
-/// rule.
-/// \param side 0-based; Exodus' numbering minus one.
-const std::array<int, 4>& sideNodes(Topology topology, int side);
 
 /// \brief One element block: connectivity [numElements x nodesPerElement], 0-based node indices of the mesh.
 struct ElementBlock {
@@ -77,7 +65,7 @@ struct ElementLocation {
 std::vector<std::int64_t> blockOffsets(const Mesh& mesh);
 ElementLocation locateElement(const std::vector<std::int64_t>& offsets, std::int64_t element);
 
-/// \brief Mesh nodes of a side (3 or 4 of them), outward by the right-hand rule.
+/// \brief Mesh nodes of a side in the order of its `SideNodes`, outward by the right-hand rule.
 std::vector<std::int64_t> nodesOfSide(const Mesh& mesh, const std::vector<std::int64_t>& offsets,
                                       ElementSide side);
 

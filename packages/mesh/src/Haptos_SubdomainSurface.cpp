@@ -2,33 +2,46 @@
 #include "Haptos_SubdomainSurface.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace Haptos {
 
-std::vector<int> surfaceNodes(const std::vector<ElementGroup>& groups, int numNodes) {
-  std::vector<std::array<int, 4>> faces;  // sorted nodes; -1 first on triangles
+namespace {
+
+struct Face {
+  std::array<int, 4> corners;  // sorted; -1 first on triangles
+  const SideNodes* side;
+  const int* element;  // its nodes
+};
+
+std::vector<Face> sortedFaces(const std::vector<ElementGroup>& groups) {
+  std::vector<Face> faces;
   for (const auto& group : groups)
     for (int e = 0; e < group.numElements(); ++e)
-      for (int side = 0; side < sidesPerElement(group.topology); ++side) {
-        std::array<int, 4> face{-1, -1, -1, -1};
-        const auto& local = sideNodes(group.topology, side);
-        for (int i = 0; i < nodesPerSide(group.topology); ++i) face[i] = group.nodes(e)[local[i]];
-        std::sort(face.begin(), face.end());
+      for (int s = 0; s < sidesPerElement(group.topology); ++s) {
+        const SideNodes& side = sideNodes(group.topology, s);
+        Face face{{-1, -1, -1, -1}, &side, group.nodes(e)};
+        for (int i = 0; i < side.numCorners; ++i) face.corners[std::size_t(i)] = face.element[side[i]];
+        std::sort(face.corners.begin(), face.corners.end());
         faces.push_back(face);
       }
-  std::sort(faces.begin(), faces.end());
+  std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.corners < b.corners; });
+  return faces;
+}
+
+}  // namespace
+
+std::vector<int> surfaceNodes(const std::vector<ElementGroup>& groups, int numNodes) {
+  const auto faces = sortedFaces(groups);
   std::vector<char> onSurface(std::size_t(numNodes), 0);
-  for (std::size_t i = 0; i < faces.size();) {
-    std::size_t j = i;
-    while (j < faces.size() && faces[j] == faces[i]) ++j;
+  for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
+    while (j < faces.size() && faces[j].corners == faces[i].corners) ++j;
     if (j - i == 1)
-      for (int node : faces[i])
-        if (node >= 0) onSurface[node] = 1;
-    i = j;
+      for (const int position : *faces[i].side) onSurface[std::size_t(faces[i].element[position])] = 1;
   }
   std::vector<int> nodes;
   for (int i = 0; i < numNodes; ++i)
-    if (onSurface[i]) nodes.push_back(i);
+    if (onSurface[std::size_t(i)]) nodes.push_back(i);
   return nodes;
 }
 

@@ -196,13 +196,14 @@ TEUCHOS_UNIT_TEST(HostileFile, DamagedHeader) {
 TEUCHOS_UNIT_TEST(HostileFile, UnsupportedElements) {
   const TestFolder folder;
   const auto path = folder.file("odd.exo");
-  onRoot([&] { writeBlock(path, "HEX20", 3, 20, 1); });
-  TEST_ASSERT(says(refusal(folder, path), path,
-                   {"element block 33 ('odd one')", "'HEX20' with 20 nodes", "only HEX8 and TET4"}, out));
-  onRoot([&] { writeBlock(path, "HEX", 3, 27, 1); });
-  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'HEX' with 27 nodes"}, out));
-  onRoot([&] { writeBlock(path, "WEDGE", 3, 6, 1); });
-  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'WEDGE'"}, out));
+  onRoot([&] { writeBlock(path, "HEX16", 3, 16, 1); });
+  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33 ('odd one')", "'HEX16' with 16 nodes", "read are HEX8, TETRA4, HEX20"}, out));
+  onRoot([&] { writeBlock(path, "HEX", 3, 9, 1); });
+  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'HEX' with 9 nodes"}, out));
+  onRoot([&] { writeBlock(path, "HEX20", 3, 27, 1); });
+  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'HEX20' with 27 nodes"}, out));
+  onRoot([&] { writeBlock(path, "WEDGE", 3, 18, 1); });
+  TEST_ASSERT(says(refusal(folder, path), path, {"element block 33", "'WEDGE' with 18 nodes"}, out));
   onRoot([&] { writeBlock(path, "QUAD4", 2, 4, 1); });
   TEST_ASSERT(says(refusal(folder, path), path, {"2 dimensions", "three-dimensional"}, out));
 }

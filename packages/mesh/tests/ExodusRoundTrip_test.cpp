@@ -9,6 +9,7 @@
 #include <sstream>
 
 #include "Haptos_BoxMesh.hpp"
+#include "Haptos_CellMesh.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_ExodusReader.hpp"
 #include "Haptos_ExodusWriter.hpp"
@@ -102,6 +103,25 @@ void writeResults(const RCP<const Communicator>& comm, const std::string& path, 
 }
 
 }  // namespace
+
+TEUCHOS_UNIT_TEST(ExodusRoundTrip, AllElementTypes) {
+  const TestFolder folder;
+  BoxSpec box;
+  box.blockName = "box";
+  box.divisions = {2, 2, 2};
+  box.sideSetNames = {"west", "", "", "", "bottom", "top"};
+  for (int t = 0; t < kNumTopologies; ++t) {
+    const Mesh mesh = withElements(makeBoxes({box}), Topology(t));
+    onRoot([&] { writeMesh(folder.file("all.exo"), mesh); });
+    compareWithFile(mesh, folder.file("all.exo"), out, success);
+    TEST_ASSERT(readExodus(folder.file("all.exo")).blocks[0].topology == Topology(t));
+  }
+  const std::vector<Cell> cells{Cell::Hexahedron, Cell::Hexahedron, Cell::Hexahedron, Cell::Hexahedron,
+                                Cell::Pyramids,   Cell::Wedges,     Cell::Wedges,     Cell::Pyramids};
+  const Mesh mesh = withCells(makeBoxes({box}), cells, ElementOrder::Quadratic);
+  onRoot([&] { writeMesh(folder.file("mixed.exo"), mesh); });
+  compareWithFile(mesh, folder.file("mixed.exo"), out, success);
+}
 
 TEUCHOS_UNIT_TEST(Exodus, MeshSurvivesClassicFile) {
   const TestFolder folder;

@@ -39,6 +39,9 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
   faces.reserve(sides.size());
   for (const ElementSide& side : sides) {
     auto face = nodesOfSide(mesh, offsets, side);
+    HAPTOS_REFUSE_IF(face.size() > 4, "Side set '" << name << "': side " << side.side + 1 << " of element " << elementNumber(mesh, side.element)
+                                                   << " has " << face.size() << " nodes; contact on quadratic faces is not in this "
+                                                   << "version, so use linear elements (HEX8, TET4, WEDGE6, PYRAMID5) at contact surfaces.");
     face.erase(std::unique(face.begin(), face.end()), face.end());
     if (face.size() > 1 && face.front() == face.back()) face.pop_back();
     HAPTOS_REFUSE_IF(face.size() < 3,

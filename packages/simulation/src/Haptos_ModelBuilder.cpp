@@ -84,10 +84,7 @@ void checkElements(const Mesh& mesh) {
     group.connectivity.assign(block.connectivity.begin(), block.connectivity.end());
     group.elementNumbers.assign(mesh.elementNumbers.begin() + first, mesh.elementNumbers.begin() + first + group.numElements());
     first += group.numElements();
-    for (int e = 0; e < group.numElements(); ++e) {
-      if (block.topology == Topology::Hex8) elementGradients<Hex8Shape>(mesh.coordinates, group, e);
-      else elementGradients<Tet4Shape>(mesh.coordinates, group, e);
-    }
+    checkElements(mesh.coordinates, group);
   }
 }
 
