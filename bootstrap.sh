@@ -12,9 +12,9 @@ packages=(
   libopenblas-dev libsuitesparse-dev        # SuiteSparse: CHOLMOD
   libmuparser-dev nlohmann-json3-dev
 )
-# Needed for `test` only: a Python environment and the libraries that the wheels of gmsh and VTK load.
-test_packages=(python3-venv libgl1 libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1)
-python_packages=(netCDF4 gmsh pyvista)      # go to build/venv; tests that need them are skipped without
+# Needed for `test` only: Fortran, a Python environment and the libraries that the wheels of gmsh and VTK load.
+test_packages=(gfortran python3-venv libgl1 libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1)
+python_packages=(netCDF4 gmsh pyvista matplotlib mpi4py)      # go to build/venv; tests that need them are skipped without
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd -P)
 preset=release

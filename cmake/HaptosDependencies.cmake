@@ -18,6 +18,15 @@ function(haptos_find_trilinos)
   target_compile_definitions(Haptos::trilinos INTERFACE OMPI_SKIP_MPICXX)
 endfunction()
 
+# For those who link the C interface, whose project may have no C++.
+function(haptos_find_mpi_c)
+  find_package(MPI QUIET COMPONENTS C)
+  if(MPI_C_FOUND)
+    add_library(Haptos::mpi_c INTERFACE IMPORTED)
+    target_link_libraries(Haptos::mpi_c INTERFACE MPI::MPI_C)
+  endif()
+endfunction()
+
 # A package with CMake files of its own.
 function(haptos_find_package name package version target)
   find_package(${package} ${version} QUIET)
@@ -42,6 +51,7 @@ endfunction()
 
 # name; what a person would look for, on Debian
 set(HAPTOS_trilinos_IS "MPI and Trilinos 13.2 (trilinos-all-dev, libptscotch-dev, libopenmpi-dev)")
+set(HAPTOS_mpi_c_IS "MPI for C (libopenmpi-dev) in a project with the language C")
 set(HAPTOS_eigen_IS "Eigen 3.3 (libeigen3-dev)")
 set(HAPTOS_json_IS "nlohmann's JSON 3 (nlohmann-json3-dev)")
 set(HAPTOS_metis_IS "METIS (libmetis-dev)")
@@ -53,6 +63,8 @@ macro(haptos_find name)
   if(TARGET Haptos::${name})
   elseif("${name}" STREQUAL "trilinos")
     haptos_find_trilinos()
+  elseif("${name}" STREQUAL "mpi_c")
+    haptos_find_mpi_c()
   elseif("${name}" STREQUAL "eigen")
     haptos_find_package(eigen Eigen3 3.3 Eigen3::Eigen)
   elseif("${name}" STREQUAL "json")

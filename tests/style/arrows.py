@@ -28,6 +28,7 @@ MAY_INCLUDE = {
     "feti": "coarse linalg decomposition base",
     "system": "feti newton qp law coarse linalg decomposition base",
     "results": "system feti law decomposition elasticity mesh base",
+    "bindings": "system law input base",
     "simulation": "results system feti newton qp coarse linalg law pairing decomposition elasticity mesh input base",
 }
 
@@ -92,8 +93,8 @@ def needed_outside(root, owner):
 
 def installed_headers(root, package):
     text = (root / "packages" / package / "CMakeLists.txt").read_text()
-    call = re.search(r"haptos_add_package\((.*?)\)", text, re.DOTALL).group(1)
-    public = re.search(r"\bHEADERS(.*?)(?:PRIVATE_HEADERS|SOURCES|DEPENDS|$)", call, re.DOTALL)
+    call = re.search(r"haptos_add_package\((.*?)\)", text, re.DOTALL)
+    public = call and re.search(r"\bHEADERS(.*?)(?:PRIVATE_HEADERS|SOURCES|DEPENDS|$)", call.group(1), re.DOTALL)
     return set(re.findall(r"src/(Haptos_\w+\.hpp)", public.group(1))) if public else set()
 
 

@@ -128,6 +128,7 @@ NewtonStop SubspaceNewtonRun::solveFromStart() {
 
 // From the last step's multipliers, brought to today's loads, and with its pairs: these first, as most of what loads change lies
 // in their span.  What they cannot do is a case for a fresh start.
+// No pairs are there where the last step was solved as it began.
 NewtonStop SubspaceNewtonRun::solveRenewed() {
   isRenewed_ = false;
   balance_.balance(state_.lambda, dual_.e);
@@ -136,7 +137,7 @@ NewtonStop SubspaceNewtonRun::solveRenewed() {
   iteration_.setOrigin(state_);
   reference_ = std::max(reference_, vectors_.norm(state_.s));
   const Level level = finalLevel(options_.continuation.patience);
-  NewtonStop stop = runLevel(dual_.pairs, level, true);
+  NewtonStop stop = runLevel(dual_.pairs, level, subspace_.size() > 0);
   if (stop == NewtonStop::Plateau) {
     condense();
     stop = runLevel(dual_.pairs, level);

@@ -149,16 +149,20 @@ struct Filled {
     system.addSubdomain({piece.body, Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x), K});
   }
   void addElements() {
-    for (int body = 0; body < 2; ++body)
-      for (std::size_t e = 0; e < mesh.blocks[std::size_t(body)].numElements(); ++e) {
-        if (int(e) % comm_->getSize() != comm_->getRank()) continue;
-        const Piece piece = pieceOf(mesh, body, {e});
-        const auto ids = idsOf(piece.nodes);
-        const auto x = flat(piece.coordinates);
-        const Eigen::MatrixXd Ke(stiffnessOf(piece));
-        system.addNodes(Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x));
-        system.addElement(body, Teuchos::arrayViewFromVector(ids), Teuchos::ArrayView<const double>(Ke.data(), Ke.size()));
-      }
+    forMyElements([&](int body, const Piece& piece) {
+      const auto ids = idsOf(piece.nodes);
+      const auto x = flat(piece.coordinates);
+      const Eigen::MatrixXd Ke(stiffnessOf(piece));
+      system.addNodes(Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x));
+      system.addElement(body, Teuchos::arrayViewFromVector(ids), Teuchos::ArrayView<const double>(Ke.data(), Ke.size()));
+    });
+  }
+  void setElements(double factor) {
+    int number = 0;
+    forMyElements([&](int, const Piece& piece) {
+      const Eigen::MatrixXd Ke(factor * Eigen::MatrixXd(stiffnessOf(piece)));
+      system.setElement(number++, Teuchos::ArrayView<const double>(Ke.data(), Ke.size()));
+    });
   }
   void addRest(double gap = 0, double smallestX = -1) {
     if (system.addInterface("interface", friction) != 0) throw std::logic_error("first interface");
@@ -204,6 +208,13 @@ struct Filled {
   ContactSystem::Outcome outcome;
 
  private:
+  template <class Visit>
+  void forMyElements(Visit&& visit) const {
+    for (int body = 0; body < 2; ++body)
+      for (std::size_t e = 0; e < mesh.blocks[std::size_t(body)].numElements(); ++e)
+        if (int(e) % comm_->getSize() == comm_->getRank()) visit(body, pieceOf(mesh, body, {e}));
+  }
+
   RCP<const Communicator> comm_;
 };
 
@@ -339,6 +350,30 @@ TEUCHOS_UNIT_TEST(ContactSystem, OnlyWhatChangedIsDoneAgain) {
   const Eigen::VectorXd stiff = filled->solve();
   TEST_ASSERT(difference(fewer, 2 * stiff) < 1e-7);
   TEST_EQUALITY(system.counters().factorizations, 2 * factored);
+  TEST_ASSERT(filled->outcome.multiplications <= 2);  // the multipliers are those of before
+
+  for (int pair : filled->pairs) system.setGap(pair, 1e-3);  // nothing was iterated with the new matrices: no pairs to start with
+  TEST_ASSERT(difference(2 * filled->solve(), makeSystem(2e-3, 0.9)->solve()) < 1e-7);
+}
+
+TEUCHOS_UNIT_TEST(ContactSystem, ElementsTakeOtherMatrices) {
+  Filled filled;
+  filled.addElements();
+  filled.addRest();
+  const Eigen::VectorXd u = filled.solve();
+  const long factored = filled.system.counters().factorizations;
+  filled.setElements(4.0);
+  TEST_ASSERT(difference(u, 4 * filled.solve()) < 1e-7);
+  TEST_EQUALITY(filled.system.counters().factorizations, 2 * factored);
+  filled.system.setTolerance(1e-3);
+  filled.setElements(1.0);
+  const Eigen::VectorXd rough = filled.solve(1.5);
+  TEST_ASSERT(filled.outcome.solved && filled.outcome.kkt > kTolerance && filled.outcome.kkt <= 1e-3);
+  TEST_ASSERT(difference(1.5 * u, rough) < 1e-1);
+  filled.system.setElement(100000, {});
+  TEST_ASSERT(contains(refusal([&] { filled.system.setUp(); }), "element 100000"));
+  filled.system.setTolerance(0);
+  TEST_ASSERT(contains(refusal([&] { filled.system.setUp(); }), "tolerance"));
 }
 
 TEUCHOS_UNIT_TEST(ContactSystem, PrescribedValuesMove) {

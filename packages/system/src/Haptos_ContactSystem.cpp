@@ -181,23 +181,40 @@ void ContactSystem::addNodes(ArrayView<const GlobalOrdinal> nodes, ArrayView<con
   for (Teuchos::Ordinal i = 0; i < nodes.size(); ++i) impl_->input->places[nodes[i]] = places[std::size_t(i)];
 }
 
-void ContactSystem::addElement(int body, ArrayView<const GlobalOrdinal> nodes, ArrayView<const double> Ke) {
+int ContactSystem::addElement(int body, ArrayView<const GlobalOrdinal> nodes, ArrayView<const double> Ke) {
+  const auto refuse = [&](const std::string& text) {
+    impl_->refuse(text);
+    return -1;
+  };
   ElementMatrix element{body, {nodes.begin(), nodes.end()}, {Ke.begin(), Ke.end()}, {}};
   const std::string who = "An element of body " + std::to_string(body);
-  if (impl_->solver) return impl_->refuse(who + " is added after setUp; other elements are another system.");
-  if (body < 0) return impl_->refuse(who + " is given; bodies are numbered from 0.");
+  if (impl_->solver) return refuse(who + " is added after setUp; other elements are another system.");
+  if (body < 0) return refuse(who + " is given; bodies are numbered from 0.");
   if (Ke.size() != 9 * nodes.size() * nodes.size())
-    return impl_->refuse(who + " with " + std::to_string(nodes.size()) + " nodes has a matrix of " + std::to_string(Ke.size()) +
+    return refuse(who + " with " + std::to_string(nodes.size()) + " nodes has a matrix of " + std::to_string(Ke.size()) +
                          " entries; it must have " +
                          std::to_string(9 * nodes.size() * nodes.size()) + ".");
   for (auto node : nodes) {
     const auto place = impl_->input->places.find(node);
     if (place == impl_->input->places.end() || node < 0)
-      return impl_->refuse(who + " has node " + std::to_string(node) +
+      return refuse(who + " has node " + std::to_string(node) +
                            ", whose place was not given on this rank: call addNodes first, with ids >= 0.");
     element.places.push_back(place->second);
   }
   impl_->input->elements.push_back(std::move(element));
+  return int(impl_->input->elements.size()) - 1;
+}
+
+void ContactSystem::setElement(int element, ArrayView<const double> Ke) {
+  auto& elements = impl_->input->elements;
+  const std::string who = "A matrix for element " + std::to_string(element) + " of this rank";
+  if (element < 0 || element >= int(elements.size()))
+    return impl_->refuse(who + " is given; it added " + std::to_string(elements.size()) + ", numbered from 0.");
+  auto& K = elements[std::size_t(element)].K;
+  if (std::size_t(Ke.size()) != K.size())
+    return impl_->refuse(who + " has " + std::to_string(Ke.size()) + " entries; it must have " + std::to_string(K.size()) + ".");
+  K.assign(Ke.begin(), Ke.end());
+  impl_->changes.stiffness = true;
 }
 
 void ContactSystem::prescribe(GlobalOrdinal node, int component, double value) {
@@ -207,6 +224,11 @@ void ContactSystem::prescribe(GlobalOrdinal node, int component, double value) {
                          "; components are 0, 1, 2 and values finite.");
   const auto [at, isNew] = impl_->input->prescribed.insert_or_assign({std::int64_t(node), component}, value);
   (isNew ? impl_->changes.rows : impl_->changes.values) = true;
+}
+
+void ContactSystem::clearPrescribed() {
+  impl_->input->prescribed.clear();
+  impl_->changes.rows = true;
 }
 
 int ContactSystem::addPair(const PairInput& pair) {
@@ -240,8 +262,15 @@ void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
 
 void ContactSystem::updateStiffness() {
   if (!impl_->input->elements.empty())
-    impl_->refuse("updateStiffness is for matrices that are shared; elements were copied: a system of other elements is a new one.");
+    impl_->refuse("updateStiffness is for matrices that are shared; elements were copied: give theirs to setElement.");
   impl_->changes.stiffness = true;
+}
+
+void ContactSystem::setTolerance(double tolerance) {
+  if (!(tolerance > 0 && std::isfinite(tolerance)))
+    return impl_->refuse("The relative tolerance is " + std::to_string(tolerance) + "; it must be > 0.");
+  impl_->options.solver.tolerance = tolerance;
+  if (impl_->solver) impl_->solver->setTolerance(tolerance);
 }
 
 void ContactSystem::setUp() {

@@ -67,15 +67,19 @@ class ContactSystem {
   /// \brief Places of the nodes of elements that this rank adds, [3 x nodes].
   void addNodes(Teuchos::ArrayView<const GlobalOrdinal> nodes, Teuchos::ArrayView<const double> coordinates);
   /// \brief A stiffness [3 nodes x 3 nodes] that is not merged with others, instead of subdomains: the system cuts them.
-  void addElement(int body, Teuchos::ArrayView<const GlobalOrdinal> nodes, Teuchos::ArrayView<const double> Ke);
+  /// Returns the number of the element on this rank, -1 where it was refused.
+  int addElement(int body, Teuchos::ArrayView<const GlobalOrdinal> nodes, Teuchos::ArrayView<const double> Ke);
+  void setElement(int element, Teuchos::ArrayView<const double> Ke);  ///< other values, by its number on this rank
   /// \brief u_component(node) = value; once more after a solve: another value.
   void prescribe(GlobalOrdinal node, int component, double value);
+  void clearPrescribed();  ///< all that this rank prescribed
   /// \brief Returns the number of the pair on this rank.
   int addPair(const PairInput& pair);
   void clearPairs();
   void setGap(int pair, double gap);
   void setFriction(int interface, const FrictionSpec& friction);  ///< the same on all ranks
   void updateStiffness();  ///< the matrices have other values; their patterns stay
+  void setTolerance(double tolerance);  ///< `Relative Tolerance` of the next solves [-]; the same on all ranks
   /// @}
 
   /// \brief Cuts, checks and numbers what was added; `solve` does it where it was not done.  Collective.

@@ -48,6 +48,7 @@ class StepSolver {
   StepResult solve(StepData step);
 
   void setFriction(std::vector<FrictionSpec> friction);
+  void setTolerance(double tolerance) { options_.solver.tolerance = tolerance; }
   /// \brief Other pairs or axes on the same subdomains: rows, G, G G^T and surfaces are made again, sparse factors stay.
   void renewRows(RCP<const MultiplierMap> multipliers);
   /// \brief Other values of K: all but the multipliers is made again.  \param multipliers rows with the weights of the new K

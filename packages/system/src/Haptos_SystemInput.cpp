@@ -132,14 +132,13 @@ std::vector<std::string> SystemInput::nameBodies() const {
   return names;
 }
 
-SystemModel SystemInput::deal(const DecompositionOptions& options) {
-  checkKind();
-  checkInterfaces();
+// The matrices that were brought, or elements cut and merged: always in the same way, so that new values find their pattern.
+void SystemInput::dealSubdomains() {
   dealt_ = subdomains;
   int any = 0, brought = !elements.empty();
   Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, brought, Teuchos::outArg(any));
   if (any)
-    for (const auto& part : cutElements(*comm_, elements, options)) dealt_.push_back(merge(part));
+    for (const auto& part : cutElements(*comm_, elements, options_)) dealt_.push_back(merge(part));
   const int count = int(dealt_.size());
   int end = 0;
   Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, count, Teuchos::outArg(end));
@@ -147,6 +146,12 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   for (int i = 0; i < count; ++i)
     dealt_[std::size_t(i)].part.name =
         "subdomain " + std::to_string(first_ + i) + " (body " + std::to_string(dealt_[std::size_t(i)].body) + ")";
+}
+
+SystemModel SystemInput::deal(const DecompositionOptions& options) {
+  checkKind();
+  checkInterfaces();
+  options_ = options;
   readStiffness();
   numberNodes();
 
@@ -166,6 +171,7 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
 }
 
 void SystemInput::readStiffness() {
+  dealSubdomains();
   runOnAllRanks(*comm_, [&] {
     std::vector<OwnStiffness::Part> parts;
     for (const auto& sub : dealt_) parts.push_back(sub.part);

@@ -39,7 +39,8 @@ class SystemInput {
   SystemModel deal(const DecompositionOptions& options);
   /// \brief Rows of B for today's pairs and prescribed values.  Collective.
   RCP<const MultiplierMap> makeRows();
-  void readStiffness();  ///< checks the matrices and takes what rows need of them.  Collective.
+  /// \brief Takes today's values of matrices or elements, and checks them.  Collective.
+  void readStiffness();
 
   std::shared_ptr<const SubdomainStiffness> stiffness() const { return stiffness_; }
   std::vector<FrictionSpec> friction() const;
@@ -63,7 +64,10 @@ class SystemInput {
   std::vector<PrescribedDisplacement> collectPrescribed() const;
   std::vector<PlacedPair> placePairs();
 
+  void dealSubdomains();
+
   RCP<const Communicator> comm_;
+  DecompositionOptions options_;
   std::vector<Subdomain> dealt_;  // this rank's
   int first_ = 0;                 // global number of the first
   NodeNumbering numbering_;

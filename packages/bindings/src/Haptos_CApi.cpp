@@ -1,0 +1,406 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include <Kokkos_Core.hpp>
+#include <Teuchos_CommHelpers.hpp>
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Teuchos_ParameterList.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_Map.hpp>
+#include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cstdlib>
+#include <cstring>
+
+#include "Haptos_ContactSystem.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_NodeValues.hpp"
+#include "Haptos_ParameterXml.hpp"
+#include "haptos.h"
+
+namespace {
+
+using namespace Haptos;
+
+// A subdomain's matrix, and where the caller's entries belong.
+struct Matrix {
+  std::vector<std::int64_t> starts;
+  std::vector<LocalOrdinal> columns;
+  RCP<CrsMatrix> K;
+
+  void take(const double* values) {
+    K->resumeFill();
+    K->setAllToScalar(0.0);
+    for (std::size_t row = 0; row + 1 < starts.size(); ++row)
+      K->sumIntoLocalValues(LocalOrdinal(row), LocalOrdinal(starts[row + 1] - starts[row]), values + starts[row], columns.data() + starts[row]);
+    K->fillComplete();
+  }
+};
+
+thread_local std::string messageOfCreation;
+
+}  // namespace
+
+struct haptos_system {
+  RCP<const Communicator> comm;  // of this system alone
+  std::unique_ptr<ContactSystem> system;
+  std::vector<Matrix> matrices;  // of this rank's subdomains
+  std::vector<int> nodesOfElement;
+  std::vector<std::int64_t> loaded;
+  std::vector<double> loads;
+  RCP<Vector> u;  // of the last solve
+  int interfaces = 0;
+  std::string refused;  // by a local function, told by the next collective one
+  std::string message;
+};
+
+namespace {
+
+int statusOf(const CaughtError& error) {
+  switch (error.kind) {
+    case 0: return HAPTOS_OK;
+    case 1: return HAPTOS_INPUT_ERROR;
+    case 2: return HAPTOS_NO_SOLUTION;
+    default: return HAPTOS_INTERNAL_ERROR;
+  }
+}
+
+// No exception passes through C.
+template <class Work>
+int guarded(std::string& message, Work&& work) {
+  CaughtError error;
+  try {
+    work();
+  } catch (...) {
+    error = describeCurrentException();
+  }
+  message = error.message;
+  return statusOf(error);
+}
+
+// What is wrong is told later, to all ranks: one alone would leave the others waiting.
+template <class Work>
+int local(haptos_system* system, Work&& work) {
+  if (system == nullptr) return HAPTOS_INPUT_ERROR;
+  return guarded(system->message, [&] {
+    try {
+      work(*system->system);
+    } catch (const InputError& e) {
+      if (system->refused.empty()) system->refused = e.what();
+    }
+  });
+}
+
+template <class Work>
+int collective(haptos_system* system, Work&& work) {
+  if (system == nullptr) return HAPTOS_INPUT_ERROR;
+  return guarded(system->message, [&] {
+    throwOnAllRanks(*system->comm, std::exchange(system->refused, ""));
+    work(*system->system);
+  });
+}
+
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw InputError(otherwise);
+}
+
+template <class T>
+Teuchos::ArrayView<const T> view(const T* data, std::int64_t size) {
+  return {data, Teuchos::Ordinal(size)};
+}
+
+std::vector<GlobalOrdinal> idsOf(const std::int64_t* nodes, std::int64_t count) { return {nodes, nodes + count}; }
+
+FrictionSpec frictionOf(const haptos_friction* given) {
+  require(given != nullptr, "An interface comes without friction (NULL).");
+  require(given->law >= HAPTOS_FRICTIONLESS && given->law <= HAPTOS_TIED,
+          "The law of an interface is " + std::to_string(given->law) + "; laws are 0 (frictionless), 1 (Tresca), 2 (Coulomb) and 3 (tied).");
+  FrictionSpec friction;
+  friction.tied = given->law == HAPTOS_TIED;
+  if (!friction.tied) friction.law = FrictionLaw(given->law);
+  friction.coefficients = {given->coefficients[0], given->coefficients[1]};
+  friction.slipBound = given->slip_bound;
+  return friction;
+}
+
+static_assert(int(FrictionLaw::Frictionless) == HAPTOS_FRICTIONLESS && int(FrictionLaw::Tresca) == HAPTOS_TRESCA &&
+              int(FrictionLaw::Coulomb) == HAPTOS_COULOMB);
+
+Matrix matrixOf(const haptos_subdomain& given) {
+  const std::int64_t rows = 3 * std::int64_t(given.num_nodes);
+  require(given.num_nodes > 0 && given.nodes && given.coordinates && given.row_starts && given.columns && given.values,
+          "A subdomain lacks nodes, coordinates or a matrix.");
+  require(given.row_starts[0] == 0 && std::is_sorted(given.row_starts, given.row_starts + rows + 1),
+          "The row starts of a subdomain's matrix must begin with 0 and not fall.");
+  Matrix matrix{{given.row_starts, given.row_starts + rows + 1}, {given.columns, given.columns + given.row_starts[rows]}, {}};
+  for (auto column : matrix.columns)
+    require(column >= 0 && column < rows, "A subdomain's matrix has column " + std::to_string(column) + "; it has " + std::to_string(rows) +
+                                              ", numbered from 0.");
+  const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(rows), 0, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))));
+  std::vector<std::size_t> lengths;
+  for (std::int64_t row = 0; row < rows; ++row) lengths.push_back(std::size_t(matrix.starts[row + 1] - matrix.starts[row]));
+  matrix.K = Teuchos::rcp(new CrsMatrix(map, map, Teuchos::arrayViewFromVector(lengths)));
+  for (std::int64_t row = 0; row < rows; ++row)
+    matrix.K->insertLocalValues(LocalOrdinal(row), LocalOrdinal(lengths[row]), given.values + matrix.starts[row],
+                                matrix.columns.data() + matrix.starts[row]);
+  matrix.K->fillComplete();
+  return matrix;
+}
+
+PairInput pairOf(const haptos_pairs& given, int i) {
+  PairInput pair;
+  pair.interface = given.interface;
+  pair.secondary = given.secondary[i];
+  const std::int64_t first = given.primary_starts ? given.primary_starts[i] : i, last = given.primary_starts ? given.primary_starts[i + 1] : i + 1;
+  for (std::int64_t k = first; given.primary != nullptr && k < last; ++k)
+    pair.primary.emplace_back(given.primary[k], given.weights ? given.weights[k] : 1.0 / double(last - first));
+  for (std::size_t d = 0; d < 3; ++d) {
+    pair.normal[d] = given.normals[3 * i + int(d)];
+    pair.axis[d] = given.axes ? given.axes[3 * i + int(d)] : d == 0 ? 1.0 : 0.0;
+  }
+  pair.gap = given.gaps ? given.gaps[i] : 0;
+  pair.area = given.areas ? given.areas[i] : 1;
+  return pair;
+}
+
+// Kokkos is the process's: whoever needs it first starts it, and it stays.
+void startKokkos() {
+  if (Kokkos::is_initialized()) return;
+  Kokkos::initialize();
+  std::atexit([] {
+    if (Kokkos::is_initialized()) Kokkos::finalize();
+  });
+}
+
+void startMpi() {
+  int flag = 0;
+  MPI_Initialized(&flag);
+  if (flag) return;
+  int provided = 0;
+  MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+  std::atexit([] {
+    int done = 0;
+    MPI_Finalized(&done);
+    if (!done) MPI_Finalize();
+  });
+}
+
+RCP<Teuchos::ParameterList> parametersOf(const Communicator& comm, const char* text) {
+  int length = text == nullptr ? 0 : int(std::strlen(text));
+  Teuchos::broadcast(comm, 0, Teuchos::outArg(length));
+  std::string xml(std::size_t(length), ' ');
+  if (comm.getRank() == 0 && length > 0) std::memcpy(xml.data(), text, xml.size());
+  Teuchos::broadcast(comm, 0, length, xml.data());
+  return Teuchos::parameterList(length > 0 ? parameterListFromXml(xml, "parameters") : Teuchos::ParameterList());
+}
+
+void copyText(const std::string& text, char* to, std::size_t size) {
+  const std::size_t length = std::min(text.size(), size - 1);
+  std::memcpy(to, text.data(), length);
+  to[length] = '\0';
+}
+
+haptos_outcome solve(haptos_system& own, ContactSystem& system) {
+  system.setUp();
+  Vector f(system.map());
+  NodeValues(system.map(), own.loaded).sumInto(f, own.loads);
+  const auto u = Teuchos::rcp(new Vector(system.map()));
+  const auto found = system.solve(f, *u);
+  own.u = u;
+  haptos_outcome outcome{found.solved, found.multiplications, found.kkt, "", ""};
+  copyText(found.method, outcome.method, sizeof outcome.method);
+  copyText(found.reason, outcome.reason, sizeof outcome.reason);
+  own.message = found.reason;
+  return outcome;
+}
+
+void requireSolved(const haptos_system& system) { require(!system.u.is_null(), "Nothing is solved yet: call haptos_solve first."); }
+
+}  // namespace
+
+extern "C" {
+
+int haptos_create(MPI_Comm comm, const char* parameters, haptos_system** system) {
+  if (system == nullptr) return HAPTOS_INPUT_ERROR;
+  *system = nullptr;
+  return guarded(messageOfCreation, [&] {
+    int flag = 0;
+    MPI_Initialized(&flag);
+    require(flag && comm != MPI_COMM_NULL, "MPI is not initialised, or the communicator is MPI_COMM_NULL.");
+    startKokkos();
+    auto fresh = std::make_unique<haptos_system>();
+    fresh->comm = Teuchos::MpiComm<int>(comm).duplicate();
+    fresh->system = std::make_unique<ContactSystem>(fresh->comm, parametersOf(*fresh->comm, parameters));
+    *system = fresh.release();
+  });
+}
+
+int haptos_create_fortran(MPI_Fint comm, const char* parameters, haptos_system** system) {
+  int flag = 0;
+  MPI_Initialized(&flag);
+  return haptos_create(flag ? MPI_Comm_f2c(comm) : MPI_COMM_NULL, parameters, system);
+}
+
+int haptos_create_serial(const char* parameters, haptos_system** system) {
+  startMpi();
+  return haptos_create(MPI_COMM_SELF, parameters, system);
+}
+
+int haptos_destroy(haptos_system** system) {
+  if (system == nullptr) return HAPTOS_INPUT_ERROR;
+  delete std::exchange(*system, nullptr);
+  return HAPTOS_OK;
+}
+
+const char* haptos_message(const haptos_system* system) { return system == nullptr ? messageOfCreation.c_str() : system->message.c_str(); }
+
+int haptos_add_interface(haptos_system* system, const char* name, const haptos_friction* friction, int* interface) {
+  return local(system, [&](ContactSystem& s) {
+    if (interface != nullptr) *interface = system->interfaces;
+    s.addInterface(name == nullptr ? "" : name, frictionOf(friction));
+    ++system->interfaces;
+  });
+}
+
+int haptos_add_subdomain(haptos_system* system, const haptos_subdomain* given, int* number) {
+  return local(system, [&](ContactSystem& s) {
+    require(given != nullptr, "A subdomain is NULL.");
+    system->matrices.push_back(matrixOf(*given));
+    if (number != nullptr) *number = int(system->matrices.size()) - 1;
+    const auto ids = idsOf(given->nodes, given->num_nodes);
+    const auto unknowns = 3 * std::int64_t(given->num_nodes);
+    s.addSubdomain({given->body, Teuchos::arrayViewFromVector(ids), view(given->coordinates, unknowns), system->matrices.back().K,
+                    view(given->kernel, given->kernel ? unknowns * given->kernel_columns : 0)});
+  });
+}
+
+int haptos_add_nodes(haptos_system* system, int64_t count, const int64_t* nodes, const double* coordinates) {
+  return local(system, [&](ContactSystem& s) {
+    require(count == 0 || (count > 0 && nodes && coordinates), "Nodes come without ids or coordinates.");
+    const auto ids = idsOf(nodes, count);
+    s.addNodes(Teuchos::arrayViewFromVector(ids), view(coordinates, 3 * count));
+  });
+}
+
+int haptos_add_elements(haptos_system* system, int body, int64_t count, int nodesPerElement, const int64_t* nodes, const double* Ke) {
+  return local(system, [&](ContactSystem& s) {
+    require(count == 0 || (count > 0 && nodesPerElement > 0 && nodes && Ke), "Elements come without nodes or matrices.");
+    for (std::int64_t e = 0; e < count; ++e, nodes += nodesPerElement, Ke += 9 * nodesPerElement * nodesPerElement) {
+      const auto ids = idsOf(nodes, nodesPerElement);
+      const int number = s.addElement(body, Teuchos::arrayViewFromVector(ids), view(Ke, 9 * nodesPerElement * nodesPerElement));
+      if (number >= 0) system->nodesOfElement.push_back(nodesPerElement);
+    }
+  });
+}
+
+int haptos_prescribe(haptos_system* system, int64_t count, const int64_t* nodes, const int* components, const double* values) {
+  return local(system, [&](ContactSystem& s) {
+    require(count == 0 || (count > 0 && nodes && components && values), "Prescribed displacements come without nodes, components or values.");
+    for (std::int64_t i = 0; i < count; ++i) s.prescribe(nodes[i], components[i], values[i]);
+  });
+}
+
+int haptos_clear_prescribed(haptos_system* system) {
+  return local(system, [](ContactSystem& s) { s.clearPrescribed(); });
+}
+
+int haptos_add_pairs(haptos_system* system, const haptos_pairs* pairs) {
+  return local(system, [&](ContactSystem& s) {
+    require(pairs != nullptr && (pairs->count == 0 || (pairs->count > 0 && pairs->secondary && pairs->normals)), "Pairs come without nodes or normals.");
+    for (int i = 0; i < pairs->count; ++i) s.addPair(pairOf(*pairs, i));
+  });
+}
+
+int haptos_clear_pairs(haptos_system* system) {
+  return local(system, [](ContactSystem& s) { s.clearPairs(); });
+}
+
+int haptos_set_loads(haptos_system* system, int64_t count, const int64_t* nodes, const double* forces) {
+  return local(system, [&](ContactSystem&) {
+    require(count == 0 || (count > 0 && nodes && forces), "Loads come without nodes or forces.");
+    system->loaded.assign(nodes, nodes + count);
+    system->loads.assign(forces, forces + 3 * count);
+  });
+}
+
+int haptos_set_gaps(haptos_system* system, int count, const int* pairs, const double* gaps) {
+  return local(system, [&](ContactSystem& s) {
+    require(count == 0 || (count > 0 && pairs && gaps), "Gaps come without pairs or values.");
+    for (int i = 0; i < count; ++i) s.setGap(pairs[i], gaps[i]);
+  });
+}
+
+int haptos_set_friction(haptos_system* system, int interface, const haptos_friction* friction) {
+  return local(system, [&](ContactSystem& s) { s.setFriction(interface, frictionOf(friction)); });
+}
+
+int haptos_set_stiffness(haptos_system* system, int subdomain, const double* values) {
+  return local(system, [&](ContactSystem& s) {
+    require(subdomain >= 0 && subdomain < int(system->matrices.size()) && values != nullptr,
+            "A stiffness is given for subdomain " + std::to_string(subdomain) + "; this rank added " + std::to_string(system->matrices.size()) +
+                ", numbered from 0.");
+    system->matrices[std::size_t(subdomain)].take(values);
+    s.updateStiffness();
+  });
+}
+
+int haptos_set_elements(haptos_system* system, int64_t first, int64_t count, const double* Ke) {
+  return local(system, [&](ContactSystem& s) {
+    require(first >= 0 && count >= 0 && first + count <= std::int64_t(system->nodesOfElement.size()) && (Ke || count == 0),
+            "Matrices are given for elements " + std::to_string(first) + " to " + std::to_string(first + count - 1) + "; this rank added " +
+                std::to_string(system->nodesOfElement.size()) + ", numbered from 0.");
+    for (std::int64_t e = first; e < first + count; ++e) {
+      const int size = 9 * system->nodesOfElement[std::size_t(e)] * system->nodesOfElement[std::size_t(e)];
+      s.setElement(int(e), view(Ke, size));
+      Ke += size;
+    }
+  });
+}
+
+int haptos_set_up(haptos_system* system) {
+  return collective(system, [](ContactSystem& s) { s.setUp(); });
+}
+
+int haptos_solve(haptos_system* system, haptos_outcome* outcome) {
+  haptos_outcome found{};
+  std::string reason;
+  const int status = collective(system, [&](ContactSystem& s) {
+    found = solve(*system, s);
+    reason = system->message;
+  });
+  if (outcome != nullptr) *outcome = found;
+  if (status != HAPTOS_OK) return status;
+  system->message = reason;
+  return found.solved ? HAPTOS_OK : HAPTOS_NOT_CONVERGED;
+}
+
+int haptos_displacements(haptos_system* system, int64_t count, const int64_t* nodes, double* u) {
+  return collective(system, [&](ContactSystem& s) {
+    requireSolved(*system);
+    NodeValues(s.map(), {nodes, nodes + count}).read(*system->u, u);
+  });
+}
+
+int haptos_contact_forces(haptos_system* system, double* forces) {
+  return collective(system, [&](ContactSystem& s) {
+    requireSolved(*system);
+    for (const auto& force : s.contactForces()) forces = std::copy(force.begin(), force.end(), forces);
+  });
+}
+
+int haptos_multipliers(haptos_system* system, int64_t* count, double* values) {
+  if (system == nullptr || count == nullptr) return HAPTOS_INPUT_ERROR;
+  return guarded(system->message, [&] {
+    requireSolved(*system);
+    const auto lambda = system->system->multipliers()->getData(0);
+    *count = std::int64_t(lambda.size());
+    if (values != nullptr) std::copy(lambda.begin(), lambda.end(), values);
+  });
+}
+
+int haptos_count(haptos_system* system, haptos_counters* counters) {
+  return collective(system, [&](ContactSystem& s) {
+    const auto found = s.counters();
+    if (counters != nullptr) *counters = {found.factorizations, found.multiplications, found.rows};
+  });
+}
+
+}  // extern "C"
