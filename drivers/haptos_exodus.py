@@ -5,27 +5,65 @@ from dataclasses import dataclass, field
 import netCDF4
 import numpy as np
 
-# Nodes of each side, 0-based, outward by the right-hand rule, in Exodus' order of sides.
-SIDES = {
-    "HEX8": [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)],
-    "TETRA4": [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)],
-}
-# For each corner the three neighbours that make a right-handed frame there.
-CORNERS = {
-    "HEX8": [(0, 1, 3, 4), (1, 2, 0, 5), (2, 3, 1, 6), (3, 0, 2, 7),
-             (4, 7, 5, 0), (5, 4, 6, 1), (6, 5, 7, 2), (7, 6, 4, 3)],
-    "TETRA4": [(0, 1, 2, 3)],
-}
+# Families by their number of corners, Exodus' order: edges, corners of the sides (outward by the right-hand rule), and for
+# corners the three neighbours that make a right-handed frame there (a pyramid's apex has four edges and none).
+_HEX = ([(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 5), (2, 6), (3, 7), (4, 5), (5, 6), (6, 7), (7, 4)],
+        [(0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (0, 4, 7, 3), (0, 3, 2, 1), (4, 5, 6, 7)],
+        [(0, 1, 3, 4), (1, 2, 0, 5), (2, 3, 1, 6), (3, 0, 2, 7), (4, 7, 5, 0), (5, 4, 6, 1), (6, 5, 7, 2), (7, 6, 4, 3)])
+_TET = ([(0, 1), (1, 2), (0, 2), (0, 3), (1, 3), (2, 3)],
+        [(0, 1, 3), (1, 2, 3), (0, 3, 2), (0, 2, 1)],
+        [(0, 1, 2, 3)])
+_WEDGE = ([(0, 1), (1, 2), (2, 0), (0, 3), (1, 4), (2, 5), (3, 4), (4, 5), (5, 3)],
+          [(0, 1, 4, 3), (1, 2, 5, 4), (0, 3, 5, 2), (0, 2, 1), (3, 4, 5)],
+          [(0, 1, 2, 3), (1, 2, 0, 4), (2, 0, 1, 5), (3, 5, 4, 0), (4, 3, 5, 1), (5, 4, 3, 2)])
+_PYRAMID = ([(0, 1), (1, 2), (2, 3), (3, 0), (0, 4), (1, 4), (2, 4), (3, 4)],
+            [(0, 1, 4), (1, 2, 4), (2, 3, 4), (0, 4, 3), (0, 3, 2, 1)],
+            [(0, 1, 3, 4), (1, 2, 0, 4), (2, 3, 1, 4), (3, 0, 2, 4)])
+_FAMILIES = {"HEX8": (8, _HEX), "HEX20": (8, _HEX), "HEX27": (8, _HEX), "TETRA4": (4, _TET), "TETRA10": (4, _TET),
+             "WEDGE6": (6, _WEDGE), "WEDGE15": (6, _WEDGE), "PYRAMID5": (5, _PYRAMID), "PYRAMID13": (5, _PYRAMID)}
+_HEX27_CENTRES = [25, 24, 26, 23, 21, 22]   # of its sides; 20 is its own
+
+CORNERS = {shape: corners for shape, (corners, _) in _FAMILIES.items()}          # how many
+FRAMES = {shape: family[2] for shape, (_, family) in _FAMILIES.items()}
+CORNERS_OF_SIDES = {shape: family[1] for shape, (_, family) in _FAMILIES.items()}
+
+
+def nodes_in_middles(shape):
+    """The corners around every node of a shape, [nodes]: one for a corner, two for the middle of an edge."""
+    corners, (edges, sides, _) = _FAMILIES[shape]
+    around = [(i,) for i in range(corners)]
+    if shape not in ("HEX8", "TETRA4", "WEDGE6", "PYRAMID5"):
+        around += edges
+    if shape == "HEX27":
+        around += [tuple(range(8)), *(sides[_HEX27_CENTRES.index(node)] for node in range(21, 27))]
+    return around
+
+
+def _all_nodes(shape):
+    """Nodes of each side: corners, the middles of its edges, its centre."""
+    place = {frozenset(around): node for node, around in enumerate(nodes_in_middles(shape))}
+    sides = []
+    for side in CORNERS_OF_SIDES[shape]:
+        edges = [frozenset(edge) for edge in zip(side, side[1:] + side[:1])]
+        sides.append(side + tuple(place[key] for key in [*edges, frozenset(side)] if key in place))
+    return sides
+
+
+SIDES = {shape: _all_nodes(shape) for shape in _FAMILIES}
 
 
 @dataclass
 class Block:
-    """Elements of one shape; connectivity [elements x nodes] are 0-based rows of the coordinates."""
+    """Elements of one shape; connectivity [elements x nodes] are 0-based rows of the coordinates.
+
+    body: name of what several blocks of different shapes make together, the block's own name where there is one shape.
+    """
     id: int
     name: str
     shape: str
     connectivity: np.ndarray
     element_numbers: np.ndarray = None
+    body: str = ""
 
 
 @dataclass
@@ -57,9 +95,9 @@ class ExodusMesh:
 
 
 def corner_jacobians(coordinates, block):
-    """Triple products at the corners, [elements x corners]; a sound element has them all > 0."""
+    """Triple products at the corners, [elements x corners but apexes]; a sound element has them all > 0."""
     x = coordinates[block.connectivity]
-    frames = np.array(CORNERS[block.shape])
+    frames = np.array(FRAMES[block.shape])
     edges = x[:, frames[:, 1:]] - x[:, frames[:, :1]]
     return np.linalg.det(edges)
 

@@ -5,7 +5,9 @@
     haptos_from_gmsh.py INPUT.msh OUTPUT.exo [--node-set NAME]... [--split SURFACE]...
                         [--side-of SURFACE=BLOCK]... [--title TEXT]
 
-physical volume    element block (HEX8 or TET4, one shape in each)
+physical volume    element block; one of hexahedra, wedges, pyramids and tetrahedra together becomes a block for each shape,
+                   NAME, NAME_wedge, NAME_pyramid, NAME_tet (the first that is there keeps the name).  Of first order, or of
+                   second order with 10, 13, 15, 20 or 27 nodes
 physical surface   side set; the side is found on the volume element next to it
 any physical group named "nodes:NAME", or named by --node-set NAME: node set NAME
 
@@ -23,13 +25,16 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from haptos_exodus import SIDES, Block, ExodusMesh, NodeSet, SideSet, corner_jacobians, write_exodus
+from haptos_exodus import (CORNERS, CORNERS_OF_SIDES, SIDES, Block, ExodusMesh, NodeSet, SideSet, corner_jacobians, nodes_in_middles,
+                           write_exodus)
 
 NODE_SET_PREFIX = "nodes:"
-GMSH_SHAPES = {4: "TETRA4", 5: "HEX8"}
-GMSH_FACETS = {2: 3, 3: 4}
+GMSH_SHAPES = {4: "TETRA4", 5: "HEX8", 6: "WEDGE6", 7: "PYRAMID5", 11: "TETRA10", 12: "HEX27", 17: "HEX20", 18: "WEDGE15", 19: "PYRAMID13"}
+GMSH_FACETS = {2: 3, 3: 4, 9: 3, 10: 4, 16: 4}   # corners, which come first
 
-MIRROR = {"HEX8": [4, 5, 6, 7, 0, 1, 2, 3], "TETRA4": [0, 2, 1, 3]}
+# In this order of corners an element is turned inside out.
+MIRROR = {8: [4, 5, 6, 7, 0, 1, 2, 3], 4: [0, 2, 1, 3], 6: [3, 4, 5, 0, 1, 2], 5: [0, 3, 2, 1, 4]}
+SHAPES_IN_ORDER = {8: "hex", 6: "wedge", 5: "pyramid", 4: "tet"}   # by corners
 
 
 class MeshError(Exception):
@@ -43,11 +48,28 @@ def orient(coordinates, block):
     """Mirrors left-handed elements of the block in place; refuses folded and flat ones."""
     jacobians = corner_jacobians(coordinates, block)
     left_handed = np.all(jacobians < 0, axis=1)
-    block.connectivity[left_handed] = block.connectivity[left_handed][:, MIRROR[block.shape]]
+    block.connectivity[left_handed] = block.connectivity[left_handed][:, mirrored(block.shape)]
     bad = np.flatnonzero(~left_handed & ~np.all(jacobians > 0, axis=1))
     if len(bad):
         raise MeshError(f"element {block.element_numbers[bad[0]]} of physical volume {quoted(block)} and "
                         f"{len(bad) - 1} more are flat or folded (a corner has no positive volume); improve the mesh there")
+
+
+def mirrored(shape):
+    """MIRROR for all nodes: each goes between the same corners as before."""
+    around = nodes_in_middles(shape)
+    place = {frozenset(corners): node for node, corners in enumerate(around)}
+    corner_at = MIRROR[CORNERS[shape]]
+    return [place[frozenset(corner_at[c] for c in corners)] for corners in around]
+
+
+def exodus_order(gmsh, kind):
+    """For every node of the Exodus shape its place in gmsh's element, by gmsh's own reference coordinates."""
+    shape = GMSH_SHAPES[kind]
+    _, dim, _, _, local, _ = gmsh.model.mesh.getElementProperties(kind)
+    local = np.array(local).reshape(-1, dim)
+    wanted = np.array([local[list(corners)].mean(axis=0) for corners in nodes_in_middles(shape)])
+    return [int(np.argmin(np.linalg.norm(local - x, axis=1))) for x in wanted]
 
 
 class SideFinder:
@@ -57,7 +79,7 @@ class SideFinder:
         keys, elements, sides, first = [], [], [], 0
         for block in blocks:
             count = len(block.connectivity)
-            for number, nodes in enumerate(SIDES[block.shape], start=1):
+            for number, nodes in enumerate(CORNERS_OF_SIDES[block.shape], start=1):
                 keys.append(facet_keys(block.connectivity[:, nodes]))
                 elements.append(np.arange(first, first + count))
                 sides.append(np.full(count, number))
@@ -149,7 +171,7 @@ def _read_volumes(gmsh, groups):
                 raise MeshError(f"volume {entity} is in two physical volumes, {quoted(owner[entity])} and {quoted(group)}; "
                                 "an element belongs to one block")
             owner[entity] = group
-        blocks.append(_read_block(gmsh, group))
+        blocks += _read_blocks(gmsh, group, [g.tag for g in volumes] + [b.id for b in blocks])
     _check_all_covered(gmsh, owner)
     tags, coordinates, _ = gmsh.model.mesh.getNodes()
     used = np.unique(np.concatenate([b.connectivity.ravel() for b in blocks]))
@@ -162,23 +184,34 @@ def _read_volumes(gmsh, groups):
     return row_of, ExodusMesh(coordinates.reshape(-1, 3)[all_rows[used]], blocks, node_numbers=used)
 
 
-def _read_block(gmsh, group):
+def _read_blocks(gmsh, group, used_ids):
+    """One block for each shape of a physical volume; the first keeps its name and number."""
     found = {}
     for entity in gmsh.model.getEntitiesForPhysicalGroup(3, group.tag):
         for kind, numbers, nodes in zip(*gmsh.model.mesh.getElements(3, entity)):
             if kind not in GMSH_SHAPES:
                 raise MeshError(f"physical volume {quoted(group)} holds elements of the kind "
-                                f"'{gmsh.model.mesh.getElementProperties(kind)[0]}' (first: {numbers[0]}); "
-                                "haptos solves with 8-node hexahedra and 4-node tetrahedra")
-            found.setdefault(GMSH_SHAPES[kind], []).append((numbers, nodes.reshape(len(numbers), -1)))
+                                f"'{gmsh.model.mesh.getElementProperties(kind)[0]}' (first: {numbers[0]}); haptos solves with {', '.join(CORNERS)}"
+                                "; Mesh.SecondOrderIncomplete = 1 makes wedges of 15 and pyramids of 13 nodes")
+            found.setdefault(GMSH_SHAPES[kind], []).append((numbers, nodes.reshape(len(numbers), -1)[:, exodus_order(gmsh, kind)]))
     if not found:
         raise MeshError(f"physical volume {quoted(group)} has no elements; mesh in three dimensions before saving")
-    if len(found) > 1:
-        raise MeshError(f"physical volume {quoted(group)} holds {' and '.join(sorted(found))}; "
-                        "an Exodus block has one shape: give each shape its own physical volume")
-    (shape, parts), = found.items()
-    return Block(group.tag, group.name, shape, np.concatenate([p[1] for p in parts]).astype(np.int64),
-                 np.concatenate([p[0] for p in parts]).astype(np.int64))
+    blocks = []
+    body = group.name or str(group.tag)
+    for shape in sorted(found, key=lambda s: list(SHAPES_IN_ORDER).index(CORNERS[s])):
+        tag, name = group.tag, group.name
+        if blocks:
+            tag = max([*used_ids, *(b.id for b in blocks)]) + 1
+            name = f"{body}_{SHAPES_IN_ORDER[CORNERS[shape]]}"
+        blocks.append(Block(tag, name, shape, np.concatenate([p[1] for p in found[shape]]).astype(np.int64),
+                            np.concatenate([p[0] for p in found[shape]]).astype(np.int64), body))
+    _check_one_order(group, found)
+    return blocks
+
+
+def _check_one_order(group, found):
+    if len({len(SIDES[shape][0]) == len(CORNERS_OF_SIDES[shape][0]) for shape in found}) > 1:
+        raise MeshError(f"physical volume {quoted(group)} holds {' and '.join(sorted(found))}; give all elements one order")
 
 
 def _check_all_covered(gmsh, owner):
@@ -205,14 +238,14 @@ def _read_surfaces(gmsh, groups, row_of, mesh, split, side_of):
     to_split = {}
     for group in groups:
         found = _find_sides(group, _read_facets(gmsh, group, row_of), finder)
-        by_block = _sort_by_block(group, found, mesh)
+        by_body = _sort_by_body(group, found, mesh)
         between = any(len(both) == 2 for both in found)
-        _add_side_sets(group, by_block, between, side_of.get(group.name), mesh)
+        _add_side_sets(group, by_body, between, side_of.get(group.name), mesh)
         if group.name in split:
-            pair = tuple(by_block)
+            pair = tuple(by_body)
             if len(pair) != 2 or not between:
                 raise MeshError(f"the nodes of '{group.name}' cannot be split: it must lie between two blocks that share nodes there")
-            to_split.setdefault(pair, []).extend(by_block[pair[1]])
+            to_split.setdefault(pair, []).extend(by_body[pair[1]])
     for pair, sides in to_split.items():   # last: the finder knows the elements by their first nodes
         _split_nodes(pair, sides, mesh)
     for sets in (mesh.side_sets, mesh.node_sets):
@@ -226,8 +259,8 @@ def _read_facets(gmsh, group, row_of):
             if kind not in GMSH_FACETS:
                 raise MeshError(f"physical surface {quoted(group)} holds elements of the kind "
                                 f"'{gmsh.model.mesh.getElementProperties(kind)[0]}'; "
-                                "only 3-node triangles and 4-node quadrangles can be sides")
-            facets.append(row_of[nodes.astype(np.int64)].reshape(len(numbers), GMSH_FACETS[kind]))
+                                "only triangles of 3 or 6 and quadrangles of 4, 8 or 9 nodes can be sides")
+            facets.append(row_of[nodes.astype(np.int64)].reshape(len(numbers), -1)[:, :GMSH_FACETS[kind]])
     if not facets:
         raise MeshError(f"physical surface {quoted(group)} has no elements; it would be an empty side set")
     return facets
@@ -242,32 +275,44 @@ def _find_sides(group, facets, finder):
     return found
 
 
-def _sort_by_block(group, sides, mesh):
-    """{block position: [(element, side)]}, the blocks in their order."""
-    offsets = np.cumsum([0] + [len(b.connectivity) for b in mesh.blocks])
-    by_block = {}
+def _bodies(mesh):
+    """The blocks of each body with the first element of each, [(first element, block)], in order."""
+    bodies = {}
+    begin = 0
+    for block in mesh.blocks:
+        bodies.setdefault(block.body, []).append((begin, block))
+        begin += len(block.connectivity)
+    return list(bodies.values())
+
+
+def _sort_by_body(group, sides, mesh):
+    """{body position: [(element, side)]}, the bodies in their order."""
+    bodies = _bodies(mesh)
+    body_of = np.concatenate([np.full(len(block.connectivity), k) for block in mesh.blocks
+                              for k, body in enumerate(bodies) if body[0][1].body == block.body])
+    by_body = {}
     for both in sides:
-        owners = [int(np.searchsorted(offsets, e, "right")) - 1 for e, _ in both]
+        owners = [int(body_of[e]) for e, _ in both]
         if len(set(owners)) < len(owners):
-            raise MeshError(f"physical surface {quoted(group)} runs inside block {quoted(mesh.blocks[owners[0]])}: it has no outer "
+            raise MeshError(f"physical surface {quoted(group)} runs inside block {quoted(bodies[owners[0]][0][1])}: it has no outer "
                             "side; give the volumes on its two sides different physical volumes")
         for owner, side in zip(owners, both):
-            by_block.setdefault(owner, []).append(side)
-    return dict(sorted(by_block.items()))
+            by_body.setdefault(owner, []).append(side)
+    return dict(sorted(by_body.items()))
 
 
-def _add_side_sets(group, by_block, between, keep, mesh):
+def _add_side_sets(group, by_body, between, keep, mesh):
+    names = {k: body[0][1].body for k, body in enumerate(_bodies(mesh))}
     if keep is None and between:
-        for b, sides in by_block.items():
-            block = mesh.blocks[b].name or str(mesh.blocks[b].id)
-            _append_side_set(mesh, group.tag, f"{block}_{group.name or group.tag}", sides)
+        for k, sides in by_body.items():
+            _append_side_set(mesh, group.tag, f"{names[k]}_{group.name or group.tag}", sides)
         return
     if keep is not None:
-        names = [mesh.blocks[b].name for b in by_block]
-        if keep not in names:
-            raise MeshError(f"the side of '{group.name}' cannot be that of '{keep}': the surface touches {', '.join(names)}")
-        by_block = {b: s for b, s in by_block.items() if mesh.blocks[b].name == keep}
-    _append_side_set(mesh, group.tag, group.name, [s for sides in by_block.values() for s in sides])
+        touched = [names[k] for k in by_body]
+        if keep not in touched:
+            raise MeshError(f"the side of '{group.name}' cannot be that of '{keep}': the surface touches {', '.join(touched)}")
+        by_body = {k: s for k, s in by_body.items() if names[k] == keep}
+    _append_side_set(mesh, group.tag, group.name, [s for sides in by_body.values() for s in sides])
 
 
 def _append_side_set(mesh, tag, name, sides):
@@ -290,27 +335,30 @@ def _check_unique(sets):
 
 
 def _split_nodes(pair, sides, mesh):
-    """Gives the second block of the pair its own nodes on these sides of it.
+    """Gives the second body of the pair its own nodes on these sides of it.
 
-    Nodes where the two blocks stay glued beside the surface are kept: the tip of a partial split.
+    Nodes where the two bodies stay glued beside the surface are kept: the tip of a partial split.
     """
-    first, second = (mesh.blocks[b] for b in pair)
-    begin = sum(len(b.connectivity) for b in mesh.blocks[:pair[1]])
+    first, second = (_bodies(mesh)[k] for k in pair)
     surface, glued = [], []
-    keys_of_first = np.concatenate([facet_keys(first.connectivity[:, nodes]) for nodes in SIDES[first.shape]])
-    for number, nodes in enumerate(SIDES[second.shape], start=1):
-        facets = second.connectivity[:, nodes]
-        chosen = np.isin(np.arange(begin, begin + len(facets)), [e for e, side in sides if side == number])
-        surface.append(facets[chosen].ravel())
-        glued.append(facets[~chosen & np.isin(facet_keys(facets), keys_of_first)].ravel())
+    keys_of_first = np.concatenate([facet_keys(block.connectivity[:, corners]) for _, block in first
+                                    for corners in CORNERS_OF_SIDES[block.shape]])
+    for begin, block in second:
+        for number, nodes in enumerate(SIDES[block.shape], start=1):
+            facets = block.connectivity[:, nodes]
+            chosen = np.isin(np.arange(begin, begin + len(facets)), [e for e, side in sides if side == number])
+            keys = facet_keys(block.connectivity[:, CORNERS_OF_SIDES[block.shape][number - 1]])
+            surface.append(facets[chosen].ravel())
+            glued.append(facets[~chosen & np.isin(keys, keys_of_first)].ravel())
     doubled = np.setdiff1d(np.concatenate(surface), np.concatenate(glued))
-    doubled = np.intersect1d(doubled, first.connectivity)   # an earlier split may have freed the rest
+    doubled = np.intersect1d(doubled, np.concatenate([block.connectivity.ravel() for _, block in first]))   # an earlier split may have freed the rest
     copies = len(mesh.coordinates) + np.arange(len(doubled))
     new_row = np.arange(len(mesh.coordinates))
     new_row[doubled] = copies
     mesh.coordinates = np.vstack([mesh.coordinates, mesh.coordinates[doubled]])
     mesh.node_numbers = np.concatenate([mesh.node_numbers, mesh.node_numbers.max() + 1 + np.arange(len(doubled))])
-    second.connectivity = new_row[second.connectivity]
+    for _, block in second:
+        block.connectivity = new_row[block.connectivity]
     for node_set in mesh.node_sets:
         node_set.nodes = np.concatenate([node_set.nodes, copies[np.isin(doubled, node_set.nodes)]])
 

@@ -14,11 +14,14 @@ Teuchos::Array<double> arrayOf(const Array3& v) { return Teuchos::tuple(v[0], v[
 
 }  // namespace
 
-ScenarioBuilder::ScenarioBuilder(Mesh mesh) : source_{std::move(mesh), {}} {
-  parameters_.sublist("Mesh").set("File", std::string("in memory"));
+ScenarioBuilder::ScenarioBuilder(Mesh mesh, std::vector<int> bricks) : source_{std::move(mesh), std::move(bricks)} {
+  if (source_.bricks.empty()) parameters_.sublist("Mesh").set("File", std::string("in memory"));
+  else nameBeams({});  // which alone may have bricks; the mesh in memory goes before
 }
 
-ScenarioBuilder::ScenarioBuilder(const TwoBeamsSpec& beams) : source_{makeTwoBeams(beams), brickSubdomains(beams)} {
+ScenarioBuilder::ScenarioBuilder(const TwoBeamsSpec& beams) : source_{makeTwoBeams(beams), brickSubdomains(beams)} { nameBeams(beams); }
+
+void ScenarioBuilder::nameBeams(const TwoBeamsSpec& beams) {
   parameters_.sublist("Mesh")
       .sublist("Two Beams")
       .set("Subdomains Per Edge", beams.subdomainsPerEdge)
@@ -48,6 +51,13 @@ Teuchos::ParameterList& ScenarioBuilder::newCondition(const std::string& type, c
 
 ScenarioBuilder& ScenarioBuilder::displacement(const Names& sets, const std::string& components, const Array3& value) {
   newCondition("Displacement", sets).set("Components", components).set("Value", arrayOf(value));
+  return *this;
+}
+
+ScenarioBuilder& ScenarioBuilder::displacementField(const Names& sets, const std::string& components,
+                                                    const std::array<std::string, 3>& expressions) {
+  newCondition("Displacement", sets).set("Components", components)
+      .set("Value", Teuchos::Array<std::string>(expressions.begin(), expressions.end()));
   return *this;
 }
 

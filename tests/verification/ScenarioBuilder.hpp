@@ -27,7 +27,8 @@ struct Friction {
 ///   const auto result = ScenarioBuilder(mesh).material("block", 1.0, 0.3).clamp({"bottom"}).pressure({"top"}, 1.0).solve();
 class ScenarioBuilder {
  public:
-  explicit ScenarioBuilder(Mesh mesh);
+  /// \param bricks [elements] or empty, for the method Bricks
+  explicit ScenarioBuilder(Mesh mesh, std::vector<int> bricks = {});
   /// \brief The generated benchmark, which alone may be cut into bricks.
   explicit ScenarioBuilder(const TwoBeamsSpec& beams);
 
@@ -36,6 +37,7 @@ class ScenarioBuilder {
   ScenarioBuilder& material(const std::string& block, double youngsModulus, double poissonsRatio);
   /// \brief Prescribes `components` of the displacement on node sets or side sets.
   ScenarioBuilder& displacement(const Names& sets, const std::string& components, const Array3& value);
+  ScenarioBuilder& displacementField(const Names& sets, const std::string& components, const std::array<std::string, 3>& expressions);
   ScenarioBuilder& clamp(const Names& sets) { return displacement(sets, "xyz", {0, 0, 0}); }
   ScenarioBuilder& pressure(const Names& sets, double value);
   ScenarioBuilder& pressure(const Names& sets, const std::string& expression);
@@ -63,6 +65,7 @@ class ScenarioBuilder {
     parameters_.sublist("Solver").set(name, value);
     return *this;
   }
+  void nameBeams(const TwoBeamsSpec& beams);
   Teuchos::ParameterList& newCondition(const std::string& type, const Names& sets);
   Teuchos::ParameterList& newContact(const std::string& secondary, const Friction* friction);
 

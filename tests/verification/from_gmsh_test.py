@@ -13,6 +13,7 @@ import unittest
 SOURCE = pathlib.Path(__file__).resolve().parents[2]
 CONVERTER = SOURCE / "drivers" / "haptos_from_gmsh.py"
 SKIPPED = 77
+sys.path.insert(0, str(SOURCE / "drivers"))
 
 try:
     import netCDF4
@@ -20,6 +21,8 @@ try:
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(SKIPPED)
+from haptos_exodus import SIDES, nodes_in_middles  # noqa: E402
+
 try:
     import gmsh
 except (ImportError, OSError) as error:   # OSError: the package is there, its system libraries are not
@@ -28,7 +31,10 @@ except (ImportError, OSError) as error:   # OSError: the package is there, its s
 
 # The manual's tables, 1-based, written down here a second time on purpose.
 SIDE_NODES = {"HEX8": {1: (1, 2, 6, 5), 2: (2, 3, 7, 6), 3: (3, 4, 8, 7), 4: (1, 5, 8, 4), 5: (1, 4, 3, 2), 6: (5, 6, 7, 8)},
-              "TETRA4": {1: (1, 2, 4), 2: (2, 3, 4), 3: (1, 4, 3), 4: (1, 3, 2)}}
+              "TETRA4": {1: (1, 2, 4), 2: (2, 3, 4), 3: (1, 4, 3), 4: (1, 3, 2)},
+              "WEDGE6": {1: (1, 2, 5, 4), 2: (2, 3, 6, 5), 3: (1, 4, 6, 3), 4: (1, 3, 2), 5: (4, 5, 6)},
+              "PYRAMID5": {1: (1, 2, 5), 2: (2, 3, 5), 3: (3, 4, 5), 4: (1, 5, 4), 5: (1, 4, 3, 2)}}
+LINEAR = {"HEX20": "HEX8", "HEX27": "HEX8", "TETRA10": "TETRA4", "WEDGE15": "WEDGE6", "PYRAMID13": "PYRAMID5"}
 HEX_IN_TETS = [(0, 1, 3, 4), (1, 2, 3, 6), (1, 6, 4, 5), (3, 4, 6, 7), (1, 3, 4, 6)]
 
 
@@ -63,7 +69,7 @@ class Exodus:
     def facets(self, side_set):
         for element, side in zip(*self.side_sets[side_set]):
             shape, nodes = self._elements[element - 1]
-            yield nodes[np.array(SIDE_NODES[shape][side]) - 1]
+            yield nodes[np.array(SIDE_NODES[LINEAR.get(shape, shape)][side]) - 1]
 
     def area_vector(self, side_set):
         """Sum over the sides of area times outward normal, and the sum of the areas."""
@@ -288,20 +294,105 @@ class Conversion(unittest.TestCase):
         msh2(self.msh, [(3, 1, "tet")], CUBE, [(4, 1, 1, (11, 14, 12, 25))])
         np.testing.assert_allclose(self.converted().volumes("tet"), [1 / 6])
 
-    def test_every_side_of_both_shapes(self):
+    def test_every_side_of_all_shapes(self):
         """Each facet of one element as a side set of its own: all rows of the side tables."""
-        cubes = {"HEX8": (5, 3, tuple(CUBE)), "TETRA4": (4, 2, (11, 12, 14, 25))}
-        for shape, (kind, facet_kind, corners) in cubes.items():
+        cubes = {"HEX8": (5, tuple(CUBE)), "TETRA4": (4, (11, 12, 14, 25)), "WEDGE6": (6, (11, 12, 14, 25, 26, 28)),
+                 "PYRAMID5": (7, (11, 12, 13, 14, 25))}
+        for shape, (kind, corners) in cubes.items():
             sides = SIDE_NODES[shape]
             facets = {f"side{n}": tuple(corners[i - 1] for i in reversed(nodes)) for n, nodes in sides.items()}
             msh2(self.msh, [(3, 1, "body"), *((2, k, n) for k, n in enumerate(facets, 1))], CUBE,
-                 [(kind, 1, 1, corners), *((facet_kind, k, k, f) for k, f in enumerate(facets.values(), 1))])
+                 [(kind, 1, 1, corners), *((len(f) - 1, k, k, f) for k, f in enumerate(facets.values(), 1))])
             mesh = self.converted()
             centre = mesh.x[mesh.blocks["body"][1][0]].mean(axis=0)
             for number in sides:
                 nodes = mesh.set_nodes(f"side{number}")
                 self.assertEqual(list(mesh.side_sets[f"side{number}"][1]), [number], shape)
                 self.assertGreater(mesh.area_vector(f"side{number}")[0] @ (mesh.x[nodes].mean(axis=0) - centre), 0.01)
+
+    def check_sides_in_vtk(self, mesh):
+        """VTK reads the file and knows the faces of its cells: each has the points of one side, corners and all."""
+        from vtkmodules.vtkIOExodus import vtkExodusIIReader
+        reader = vtkExodusIIReader()
+        reader.SetFileName(str(self.exo))
+        reader.Update()
+        blocks = reader.GetOutput().GetBlock(0)
+        for k, (shape, rows) in enumerate(mesh.blocks.values()):
+            grid = blocks.GetBlock(k)
+            self.assertEqual(grid.GetNumberOfCells(), len(rows), shape)
+            for e in (0, len(rows) - 1):
+                cell, x, seen = grid.GetCell(e), mesh.x[rows[e]], set()
+                for i in range(cell.GetNumberOfFaces()):   # VTK gives the same object again for the next one
+                    points = cell.GetFace(i).GetPoints()
+                    seen.add(frozenset(int(np.argmin(np.linalg.norm(x - points.GetPoint(j), axis=1))) for j in range(points.GetNumberOfPoints())))
+                self.assertEqual(seen, set(map(frozenset, SIDES[shape])), shape)
+
+    def test_second_order_of_all_shapes(self):
+        """Quarter of a ring, swept: wedges or hexahedra; an octant of a ball; a cube of hexahedra, pyramids and tetrahedra."""
+        for incomplete, shapes in ((1, {"HEX20", "TETRA10", "WEDGE15"}), (0, {"HEX27", "TETRA10"})):
+            gmsh.clear()
+            occ = gmsh.model.occ
+            ring = occ.revolve([(2, occ.addRectangle(1, 0, 0, 1, 1))], 0, 0, 0, 0, 1, 0, np.pi / 2, [4], recombine=True)
+            wedges = occ.revolve([(2, occ.addDisk(8, 0, 0, 0.5, 0.5))], 6, 0, 0, 0, 1, 0, np.pi / 2, [3], recombine=True)
+            octant = occ.addSphere(12, 0, 0, 1, angle1=0, angle2=np.pi / 2, angle3=np.pi / 2)
+            occ.synchronize()
+            gmsh.model.mesh.setTransfiniteSurface(1)
+            gmsh.model.mesh.setRecombine(2, 1)
+            volumes = {"ring": ring[1][1], "octant": octant} | ({"wedges": wedges[1][1]} if incomplete else {})
+            for name, tag in volumes.items():
+                gmsh.model.addPhysicalGroup(3, [tag], name=name)
+                gmsh.model.addPhysicalGroup(2, [t for _, t in gmsh.model.getBoundary([(3, tag)], oriented=False)], name=name + "_skin")
+            gmsh.option.setNumber("Mesh.MeshSizeMax", 0.6)
+            gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
+            gmsh.option.setNumber("Mesh.ElementOrder", 2)
+            gmsh.model.mesh.generate(3)
+            gmsh.write(str(self.msh))
+            mesh = self.converted()
+            self.assertEqual({shape for shape, _ in mesh.blocks.values()}, shapes)
+            self.check_sides_in_vtk(mesh)
+            for name in volumes:
+                np.testing.assert_allclose(mesh.area_vector(name + "_skin")[0], 0, atol=1e-12)
+                corners = mesh.set_nodes(name + "_skin")
+                self.assertGreater(len(corners), 10)
+
+    def test_one_volume_of_several_shapes(self):
+        """A hexahedron with a pyramid on it: two blocks of one body; and pyramids of second order."""
+        nodes = {**CUBE, 31: (0.5, 0.5, 2)}
+        msh2(self.msh, [(3, 1, "house"), (2, 1, "skin")], nodes,
+             [(5, 1, 1, tuple(CUBE)), (7, 1, 2, (25, 26, 27, 28, 31)), (3, 1, 1, (11, 12, 13, 14)), (2, 1, 2, (25, 26, 31))])
+        mesh = self.converted()
+        self.assertEqual({n: s for n, (s, _) in mesh.blocks.items()}, {"house": "HEX8", "house_pyramid": "PYRAMID5"})
+        np.testing.assert_array_equal(mesh.side_sets["skin"], [(1, 2), (5, 1)])
+        gmsh.option.setNumber("Mesh.SecondOrderIncomplete", 1)
+        gmsh.open(str(self.msh))
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(self.msh))
+        mesh = self.converted()
+        self.assertEqual({n: s for n, (s, _) in mesh.blocks.items()}, {"house": "HEX20", "house_pyramid": "PYRAMID13"})
+        np.testing.assert_array_equal(mesh.side_sets["skin"], [(1, 2), (5, 1)])
+        self.check_sides_in_vtk(mesh)
+
+    def test_every_node_of_second_order(self):
+        """One element of every shape, deformed quadratically: each node lies where the corners around it say, left-handed ones too."""
+        shapes = {5: tuple(CUBE), 4: (11, 12, 14, 25), 6: (11, 12, 14, 25, 26, 28), 7: (11, 12, 13, 14, 25)}
+        for kind, corners in shapes.items():
+            for flip, incomplete in ((1, 1), (-1, 1), (1, 0)):
+                if incomplete == 0 and kind > 5:
+                    continue
+                gmsh.clear()
+                gmsh.option.setNumber("Mesh.SecondOrderIncomplete", incomplete)
+                msh2(self.msh, [(3, 1, "body")], {t: (flip * x, y, z) for t, (x, y, z) in CUBE.items()}, [(kind, 1, 1, corners)])
+                gmsh.open(str(self.msh))
+                gmsh.model.mesh.setOrder(2)
+                gmsh.write(str(self.msh))
+                mesh = self.converted()
+                (shape, rows), = mesh.blocks.values()
+                self.assertEqual(rows.shape[1], int(shape.lstrip("ABCDEFGHIJKLMNOPQRSTUVWXYZ")))
+                x = mesh.x[rows[0]]
+                for node, around in enumerate(nodes_in_middles(shape)):
+                    np.testing.assert_allclose(x[node], x[list(around)].mean(axis=0), atol=1e-12, err_msg=f"{shape} {node}")
+                frame = x[[1, 3, 4]] - x[0] if kind in (5, 7) else x[[1, 2, 3]] - x[0]
+                self.assertGreater(np.linalg.det(frame), 0.1)
 
     def test_long_names_are_kept(self):
         name = "root_flank_of_the_third_stage_rotor_blade_pressure_side"
@@ -314,8 +405,14 @@ class Conversion(unittest.TestCase):
         self.assertIn("flat or folded", self.refused())
 
     def test_other_shapes_are_refused_by_name(self):
-        msh2(self.msh, [(3, 1, "wedge")], CUBE, [(6, 1, 1, (11, 12, 13, 25, 26, 27))])
-        self.assertIn("'Prism 6'", self.refused())
+        gmsh.model.occ.extrude([(2, gmsh.model.occ.addRectangle(0, 0, 0, 1, 1))], 0, 0, 1, [1], recombine=True)
+        gmsh.model.occ.synchronize()
+        gmsh.model.addPhysicalGroup(3, [1], name="wedges")
+        gmsh.model.mesh.generate(3)
+        gmsh.model.mesh.setOrder(2)
+        gmsh.write(str(self.msh))
+        self.assertIn("'Prism 18'", self.refused())
+        self.assertIn("SecondOrderIncomplete", self.refused())
 
     def test_missing_and_uncovered_volumes(self):
         msh2(self.msh, [(2, 1, "top")], CUBE, [TOP])

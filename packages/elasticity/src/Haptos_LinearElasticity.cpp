@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <Teuchos_Assert.hpp>
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -129,6 +130,22 @@ void groupStresses(const Coordinates& coordinates, const ElementGroup& group, co
   }
 }
 
+// In the order of `Topology`: with four, HEX20 and HEX27 keep their order; others would lock, or their pressures oscillate.
+constexpr std::array<int, kNumTopologies> kPressureModes{1, 1, 4, 4, 1, 1, 1, 1, 1};
+
+// 1, and where there are four x, y and z at the cubature points, made orthonormal by the modified Gram-Schmidt method.
+template <class Shape>
+void setModes(const NodeColumns<Shape>& x, const ReferenceElement& rule, int count, ElementGradients<Shape>& result) {
+  auto& modes = result.modes;
+  modes.resize(rule.numPoints(), count);
+  for (int i = 0; i < count; ++i) {
+    if (i == 0) modes.col(0).setOnes();
+    else modes.col(i) = (x.row(i - 1) * rule.values).transpose();
+    for (int k = 0; k < i; ++k) modes.col(i) -= modes.col(k).cwiseProduct(result.volumes).dot(modes.col(i)) * modes.col(k);
+    modes.col(i) /= std::sqrt(modes.col(i).cwiseAbs2().dot(result.volumes));
+  }
+}
+
 }  // namespace
 
 // lambda = E nu / ((1 + nu)(1 - 2 nu)), shear = E / (2 (1 + nu)), bulk = E / (3 (1 - 2 nu)): nu = 1/2 has no lambda
@@ -164,12 +181,14 @@ ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const E
         inverseTranspose * asColumns<Shape>(rule.gradients.col(p).data(), n);
     result.volumes(p) = rule.weights(p) * determinant;
   }
+  if constexpr (Shape::numNodes == Eigen::Dynamic) setModes<Shape>(x, rule, kPressureModes[std::size_t(group.topology)], result);
   return result;
 }
 
 // With M_ab = integral of grad N_a (x) grad N_b, the block of nodes a and b is
 //   K_ab = c M_ab + shear (M_ab^T + tr(M_ab) I),            c = lambda,
-// and for BBar, whose volumetric part is bulk/V q_a (x) q_b with q_a = integral of grad N_a, c = -2/3 shear.
+// and for BBar, whose volumetric part is bulk q_a (x) q_b with q_a = integral of psi grad N_a summed over the modes psi, c = -2/3 shear;
+// linear elements have psi = 1 / sqrt(V).
 template <class Shape>
 void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                       Formulation formulation, ElementMatrix<Shape>& stiffness) {
@@ -195,13 +214,20 @@ void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticMod
       stiffness.template block<3, 3>(3 * a, 3 * b) = k;
     }
   if (!bbar) return;
+  if constexpr (Shape::numNodes == Eigen::Dynamic) {
+    for (int i = 0; i < gradients.modes.cols(); ++i) {
+      const ElementVector<Shape> q = gradients.at * gradients.volumes.cwiseProduct(gradients.modes.col(i)) * std::sqrt(moduli.bulk);
+      stiffness += q.lazyProduct(q.transpose());
+    }
+    return;
+  }
   const ElementVector<Shape> q =
       gradients.at * gradients.volumes * std::sqrt(moduli.bulk / gradients.volumes.sum());
   stiffness += q.lazyProduct(q.transpose());
 }
 
 // f_a = sum over points of V_p sigma_p grad N_a(p), sigma_p from h = sum_a u_a (x) grad N_a; for BBar the deviator there and the
-// pressure bulk (integral of div u) / V on q_a: the same K u without K.
+// pressure bulk P(div u), P the projection on the modes: the same K u without K.
 template <class Shape>
 ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                                   Formulation formulation, const ElementVector<Shape>& displacement) {
@@ -210,18 +236,23 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
   const int n = gradients.numNodes();
   const auto u = asColumns<Shape>(displacement.data(), n);
   NodeColumns<Shape> force = NodeColumns<Shape>::Zero(3, n);
-  double dilatation = 0.0;  // integral of div u
+  decltype(gradients.volumes) dilatations(gradients.numPoints());  // their sum is the integral of div u
   for (int p = 0; p < gradients.numPoints(); ++p) {
     const auto gradient = asColumns<Shape>(gradients.at.col(p).data(), n);
     const Matrix3d h = u * gradient.transpose();
     const Matrix3d weightedStress = gradients.volumes(p) * stressOf(h, moduli.shear, c);
     force += weightedStress * gradient;
-    dilatation += gradients.volumes(p) * h.trace();
+    dilatations(p) = gradients.volumes(p) * h.trace();
   }
   ElementVector<Shape> result = Eigen::Map<const ElementVector<Shape>>(force.data(), 3 * n);
   if (bbar) {
-    const double pressure = moduli.bulk * dilatation / gradients.volumes.sum();
-    result += pressure * (gradients.at * gradients.volumes);
+    if constexpr (Shape::numNodes == Eigen::Dynamic) {
+      const auto pressure = (moduli.bulk * gradients.modes * (gradients.modes.transpose() * dilatations)).eval();
+      result += gradients.at * gradients.volumes.cwiseProduct(pressure);
+    } else {
+      const double pressure = moduli.bulk * dilatations.sum() / gradients.volumes.sum();
+      result += pressure * (gradients.at * gradients.volumes);
+    }
   }
   return result;
 }

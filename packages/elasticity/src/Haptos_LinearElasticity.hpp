@@ -26,10 +26,11 @@ struct ElasticModuli {
 /// \throws InputError unless E > 0 and -1 < nu < 1/2, both finite.
 ElasticModuli elasticModuli(const IsotropicMaterial& material);
 
-/// \brief Standard: eps = sym grad u.  BBar: its trace is replaced by its mean over the element.
+/// \brief Standard: eps = sym grad u.  BBar: its trace is replaced by its mean over the element, in HEX20 and HEX27 by its best
+/// linear approximation.
 ///
-/// BBar (mean dilatation; T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980) 1413) frees Hex8 from
-/// volumetric locking near nu = 1/2.  On Tet4 the two are the same.
+/// BBar (T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980) 1413) frees Hex8 and the quadratic elements from volumetric locking
+/// near nu = 1/2 (doc/decisions/027).  On Tet4 the two are the same; Wedge6 and Pyramid5 it does not free.
 enum class Formulation { Standard, BBar };
 
 /// \name Sizes of an element with its stiffness rule, fixed for the most frequent ones and at run time for all others
@@ -68,6 +69,8 @@ struct ElementGradients {
   /// column p, row 3 a + i: dN_a/dx_i
   Eigen::Matrix<double, kDofs<Shape>, Shape::numPoints, Eigen::ColMajor, 3 * Shape::maxNodes, Shape::maxPoints> at;
   Eigen::Matrix<double, Shape::numPoints, 1, Eigen::ColMajor, Shape::maxPoints, 1> volumes;  ///< w_p det J_p > 0
+  /// [numPoints x modes] what BBar projects div u on, orthonormal with the weights `volumes`; left out for fixed sizes: a constant
+  Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, AnyShape::maxPoints, 4> modes;
 
   int numNodes() const { return int(at.rows()) / 3; }
   int numPoints() const { return int(at.cols()); }

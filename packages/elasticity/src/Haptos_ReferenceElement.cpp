@@ -193,29 +193,30 @@ ReferenceElement withFunctions(SideShape shape, ReferenceElement table) {
   return withoutCentres(tabulate<Quad9Basis>(std::move(table)), {{-0.25, 0.5, {0, 1, 2, 3}, {4, 5, 6, 7}}});
 }
 
-/// \param degrees of the rules, in the order of `Topology`
-std::vector<ReferenceElement> elementRules(const std::array<int, kNumTopologies>& degrees) {
-  std::vector<ReferenceElement> rules;
-  for (int t = 0; t < kNumTopologies; ++t)
-    rules.push_back(withFunctions(Topology(t), cubature(elementShape(Topology(t)).numCorners, 3, degrees[std::size_t(t)])));
-  return rules;
+ReferenceElement elementRule(Topology topology, int degree) {
+  return withFunctions(topology, cubature(elementShape(topology).numCorners, 3, degree));
 }
 
 }  // namespace
 
 ReferenceElement shapeFunctionsAt(Topology topology, const Eigen::Matrix3Xd& points) { return withFunctions(topology, {points, {}, {}, {}}); }
 
-// Twice the degree of the gradients in every direction, counted for pyramids in the cube that is collapsed to them.
+// Twice the degree of the gradients in every direction, counted for pyramids in the cube that is collapsed to them.  TET10: its four
+// points of degree 2 see 24 strains, of which BBar takes three; degrees 3 and 4 have negative weights.
 const ReferenceElement& stiffnessRule(Topology topology) {
-  static const auto rules = elementRules({3, 1, 5, 5, 2, 2, 4, 3, 5});
+  static const auto rules = [] {
+    constexpr std::array<int, kNumTopologies> degrees{3, 1, 5, 5, 5, 2, 4, 3, 5};
+    std::vector<ReferenceElement> all;
+    for (int t = 0; t < kNumTopologies; ++t) all.push_back(elementRule(Topology(t), degrees[std::size_t(t)]));
+    return all;
+  }();
   return rules[std::size_t(topology)];
 }
 
-// A load that varies linearly, times N_a: one degree more than the stiffness of a TET4, whose gradients are constant.  TET10: enough
-// for the volume of a curved one.
+// A load that varies linearly, times N_a: one degree more than the stiffness of a TET4, whose gradients are constant.
 const ReferenceElement& bodyLoadRule(Topology topology) {
-  static const auto rules = elementRules({3, 2, 5, 5, 5, 2, 4, 3, 5});
-  return rules[std::size_t(topology)];
+  static const auto tet4 = elementRule(Topology::Tet4, 2);
+  return topology == Topology::Tet4 ? tet4 : stiffnessRule(topology);
 }
 
 // The same on sides; in the order of `SideShape`.

@@ -28,7 +28,7 @@ ReferenceElement shapeFunctionsAt(Topology topology, const Eigen::Matrix3Xd& poi
 
 /// \brief Rule for the stiffness, exact on affine elements; all its weights are positive.
 ///
-/// HEX8 2x2x2 Gauss, TET4 one point, TET10 four, WEDGE6 six, PYRAMID5 2x2x2, HEX20, HEX27 and PYRAMID13 3x3x3, WEDGE15 18.
+/// HEX8 2x2x2 Gauss, TET4 one point, TET10 14, WEDGE6 six, PYRAMID5 2x2x2, HEX20, HEX27 and PYRAMID13 3x3x3, WEDGE15 18.
 /// This and the rules below are computed at the first call, which needs Kokkos to be initialised.
 const ReferenceElement& stiffnessRule(Topology topology);
 

@@ -2,11 +2,14 @@
 // Small meshes for the tests of this package.
 #pragma once
 #include <Eigen/Core>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <functional>
 #include <vector>
 
+#include "Haptos_BoxMesh.hpp"
+#include "Haptos_CellMesh.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
 
 namespace Haptos::Fixtures {
@@ -24,43 +27,59 @@ inline const std::vector<IsotropicMaterial>& steel() {
   return materials;
 }
 
-/// n[0] x n[1] x n[2] elements on the unit cube; inner nodes move by `distortion` times the mesh width.
-/// Tet4: every brick is cut into six tetrahedra around its diagonal.
-inline Solid makeSolid(Topology topology, std::array<int, 3> n, double distortion = 0.0,
-                       const Transform& transform = nullptr) {
+inline std::vector<Topology> allTopologies() {
+  std::vector<Topology> all;
+  for (int t = 0; t < kNumTopologies; ++t) all.push_back(Topology(t));
+  return all;
+}
+
+/// A mesh in the unit cube as one subdomain; inner nodes are those that are not on the surface of the cube before `transform`.
+inline Solid solidOf(const Mesh& mesh, const Transform& transform = nullptr) {
   Solid solid;
-  const auto node = [&](int i, int j, int k) { return i + (n[0] + 1) * (j + (n[1] + 1) * k); };
+  for (const auto& x : mesh.coordinates) {
+    solid.coordinates.push_back(transform ? transform(x) : x);
+    solid.interior.push_back(std::all_of(x.begin(), x.end(), [](double c) { return c > 1e-9 && c < 1 - 1e-9; }));
+  }
+  int number = 1000;
+  for (const auto& block : mesh.blocks) {
+    ElementGroup group;
+    group.topology = block.topology;
+    group.blockName = block.name;
+    group.connectivity.assign(block.connectivity.begin(), block.connectivity.end());
+    for (int e = 0; e < group.numElements(); ++e) group.elementNumbers.push_back(++number);
+    solid.groups.push_back(std::move(group));
+  }
+  return solid;
+}
+
+/// n[0] x n[1] x n[2] hexahedra on the unit cube; inner nodes move by `distortion` times the mesh width.
+inline Mesh cubeOfHexahedra(std::array<int, 3> n, double distortion = 0.0) {
+  BoxSpec box;
+  box.blockName = "cube";
+  box.divisions = n;
+  Mesh mesh = makeBoxes({box});
+  std::size_t node = 0;
   for (int k = 0; k <= n[2]; ++k)
     for (int j = 0; j <= n[1]; ++j)
-      for (int i = 0; i <= n[0]; ++i) {
-        const bool inner = i > 0 && j > 0 && k > 0 && i < n[0] && j < n[1] && k < n[2];
-        std::array<double, 3> x{double(i) / n[0], double(j) / n[1], double(k) / n[2]};
-        if (inner)
-          for (int c = 0; c < 3; ++c)
-            x[c] += distortion / n[c] * std::sin(12.9 * i + 78.2 * j + 37.7 * k + 4.1 * c);
-        solid.coordinates.push_back(transform ? transform(x) : x);
-        solid.interior.push_back(inner);
-      }
-  ElementGroup group;
-  group.topology = topology;
-  group.blockName = "cube";
-  constexpr std::array<std::array<int, 4>, 6> tets{
-      {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}}};
-  for (int k = 0; k < n[2]; ++k)
-    for (int j = 0; j < n[1]; ++j)
-      for (int i = 0; i < n[0]; ++i) {
-        const std::array<int, 8> hex{
-            node(i, j, k),     node(i + 1, j, k),     node(i + 1, j + 1, k),     node(i, j + 1, k),
-            node(i, j, k + 1), node(i + 1, j, k + 1), node(i + 1, j + 1, k + 1), node(i, j + 1, k + 1)};
-        if (topology == Topology::Hex8)
-          group.connectivity.insert(group.connectivity.end(), hex.begin(), hex.end());
-        else
-          for (const auto& tet : tets)
-            for (int corner : tet) group.connectivity.push_back(hex[std::size_t(corner)]);
-      }
-  for (int e = 0; e < group.numElements(); ++e) group.elementNumbers.push_back(1001 + e);
-  solid.groups.push_back(std::move(group));
-  return solid;
+      for (int i = 0; i <= n[0]; ++i, ++node)
+        if (i > 0 && j > 0 && k > 0 && i < n[0] && j < n[1] && k < n[2])
+          for (std::size_t c = 0; c < 3; ++c)
+            mesh.coordinates[node][c] += distortion / n[c] * std::sin(12.9 * i + 78.2 * j + 37.7 * k + 4.1 * double(c));
+  return mesh;
+}
+
+/// The same with elements of one topology (Tet4: six around the diagonal of every brick), their middles on straight edges before
+/// `transform`.
+inline Solid makeSolid(Topology topology, std::array<int, 3> n, double distortion = 0.0, const Transform& transform = nullptr) {
+  return solidOf(withElements(cubeOfHexahedra(n, distortion), topology), transform);
+}
+
+/// A layer each of hexahedra, pyramids and tetrahedra, and wedges; linear or quadratic.
+inline Solid mixedSolid(int n, double distortion, ElementOrder order) {
+  const Mesh hexahedra = cubeOfHexahedra({n, n, 3}, distortion);
+  std::vector<Cell> cells;
+  for (int e = 0; e < 3 * n * n; ++e) cells.push_back(std::array<Cell, 3>{Cell::Hexahedron, Cell::Pyramids, Cell::Wedges}[std::size_t(e / (n * n))]);
+  return solidOf(withCells(hexahedra, cells, order));
 }
 
 /// One hexahedron whose nodes are numbered in Exodus' order, so that element and subdomain vectors coincide.

@@ -15,7 +15,7 @@ using namespace Haptos::Fixtures;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-const std::array<Topology, 2> topologies{Topology::Hex8, Topology::Tet4};
+const std::vector<Topology> topologies = allTopologies();
 
 // Sides that belong to one element only.
 std::vector<GroupSide> surfaceSides(const ElementGroup& group) {
@@ -94,7 +94,7 @@ TEUCHOS_UNIT_TEST(NodalLoads, TractionHasExactResultantAndMoment) {
   for (const auto topology : topologies) {
     const auto solid = makeSolid(topology, {2, 3, 4});
     const auto sides = sidesAt(solid, 0, 1.0);
-    TEST_EQUALITY(int(sides.size()), topology == Topology::Hex8 ? 12 : 24);
+    TEST_EQUALITY(int(sides.size()), elementShape(topology).numCorners == 4 ? 24 : 12);
     auto f = zeroLoad(solid);
     addTraction(
         solid.coordinates, solid.groups[0], sides,
@@ -135,7 +135,8 @@ TEUCHOS_UNIT_TEST(NodalLoads, PressureOnClosedSurface) {
   for (const auto topology : topologies) {
     const auto solid = makeSolid(topology, {3, 2, 3}, 0.2, bend);
     const auto sides = surfaceSides(solid.groups[0]);
-    TEST_EQUALITY(int(sides.size()), 2 * (6 + 6 + 9) * (topology == Topology::Hex8 ? 1 : 2));
+    const int corners = elementShape(topology).numCorners;  // of tetrahedra all sides are halves, of wedges those at z- and z+
+    TEST_EQUALITY(int(sides.size()), corners == 4 ? 84 : corners == 6 ? 54 : 42);
     auto f = zeroLoad(solid), depth = zeroLoad(solid), weight = zeroLoad(solid);
     addPressure(
         solid.coordinates, solid.groups[0], sides, [](double, double, double) { return 100.0; }, f);

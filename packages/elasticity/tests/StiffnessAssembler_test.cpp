@@ -15,7 +15,7 @@ using namespace Haptos::Fixtures;
 
 // Two materials and both topologies: a hex cube and, glued to its side x = 1, a tet cube.
 // (Their common side is not conforming in the finite element sense; the algebra does not mind.)
-Solid mixedSolid() {
+Solid twoCubes() {
   auto solid = makeSolid(Topology::Hex8, {2, 2, 2}, 0.2);
   const auto other = makeSolid(Topology::Tet4, {2, 2, 2}, 0.2);
   std::vector<int> newIndex;
@@ -49,23 +49,18 @@ Eigen::MatrixXd denseOracle(const Solid& solid, const std::vector<IsotropicMater
   for (const auto& group : solid.groups)
     for (int e = 0; e < group.numElements(); ++e) {
       const auto moduli = elasticModuli(materials[std::size_t(group.material)]);
-      if (group.topology == Topology::Hex8) {
-        ElementMatrix<Hex8Shape> element;
-        elementStiffness<Hex8Shape>(elementGradients<Hex8Shape>(solid.coordinates, group, e), moduli,
-                                    Formulation::BBar, element);
-        add(element, group.nodes(e), 8);
-      } else {
-        ElementMatrix<Tet4Shape> element;
-        elementStiffness<Tet4Shape>(elementGradients<Tet4Shape>(solid.coordinates, group, e), moduli,
-                                    Formulation::BBar, element);
-        add(element, group.nodes(e), 4);
-      }
+      withShape(group.topology, [&](auto shape) {
+        using Shape = decltype(shape);
+        ElementMatrix<Shape> element;
+        elementStiffness<Shape>(elementGradients<Shape>(solid.coordinates, group, e), moduli, Formulation::BBar, element);
+        add(element, group.nodes(e), nodesPerElement(group.topology));
+      });
     }
   return k;
 }
 
 TEUCHOS_UNIT_TEST(StiffnessAssembler, EqualsDenseAssemblyOfMixedGroups) {
-  const auto solid = mixedSolid();
+  const auto solid = twoCubes();
   TEST_EQUALITY(solid.coordinates.size(), std::size_t(27 + 18));
   const auto k = assembleStiffness(solid.coordinates, solid.groups, twoMaterials, Formulation::BBar);
   const auto oracle = denseOracle(solid, twoMaterials);
@@ -75,7 +70,7 @@ TEUCHOS_UNIT_TEST(StiffnessAssembler, EqualsDenseAssemblyOfMixedGroups) {
 }
 
 TEUCHOS_UNIT_TEST(StiffnessAssembler, IsCompressedWithAscendingRows) {
-  const auto solid = mixedSolid();
+  const auto solid = twoCubes();
   const auto k = assembleStiffness(solid.coordinates, solid.groups, twoMaterials, Formulation::Standard);
   TEST_ASSERT(k.isCompressed());
   TEST_EQUALITY(k.outerIndexPtr()[k.cols()], int(k.nonZeros()));
@@ -87,20 +82,21 @@ TEUCHOS_UNIT_TEST(StiffnessAssembler, IsCompressedWithAscendingRows) {
 }
 
 TEUCHOS_UNIT_TEST(StiffnessAssembler, ApplyEqualsAssembledMatrix) {
-  const auto solid = mixedSolid();
-  const Eigen::VectorXd u = someVector(3 * Eigen::Index(solid.coordinates.size()));
-  for (const auto formulation : {Formulation::Standard, Formulation::BBar}) {
-    const auto k = assembleStiffness(solid.coordinates, solid.groups, twoMaterials, formulation);
-    Eigen::VectorXd ku = Eigen::VectorXd::Constant(u.size(), 1e30);  // must be overwritten
-    applyStiffness(solid.coordinates, solid.groups, twoMaterials, formulation, u, ku);
-    TEST_ASSERT((ku - k * u).norm() < 1e-14 * k.norm() * u.norm());
-    TEST_ASSERT(ku.norm() > 1.0);
+  for (const auto& solid : {twoCubes(), mixedSolid(2, 0.2, ElementOrder::Quadratic)}) {
+    const Eigen::VectorXd u = someVector(3 * Eigen::Index(solid.coordinates.size()));
+    for (const auto formulation : {Formulation::Standard, Formulation::BBar}) {
+      const auto k = assembleStiffness(solid.coordinates, solid.groups, twoMaterials, formulation);
+      Eigen::VectorXd ku = Eigen::VectorXd::Constant(u.size(), 1e30);  // must be overwritten
+      applyStiffness(solid.coordinates, solid.groups, twoMaterials, formulation, u, ku);
+      TEST_ASSERT((ku - k * u).norm() < 1e-14 * k.norm() * u.norm());
+      TEST_ASSERT(ku.norm() > 1.0);
+    }
   }
 }
 
 TEUCHOS_UNIT_TEST(StiffnessAssembler, RigidBodyModesSpanTheKernel) {
-  for (const auto topology : {Topology::Hex8, Topology::Tet4}) {
-    const auto solid = makeSolid(topology, {3, 2, 4}, 0.2);
+  for (const auto& solid : {makeSolid(Topology::Hex8, {3, 2, 4}, 0.2), makeSolid(Topology::Tet4, {3, 2, 4}, 0.2),
+                            mixedSolid(2, 0.2, ElementOrder::Linear), mixedSolid(1, 0.2, ElementOrder::Quadratic)}) {
     const auto k = assembleStiffness(solid.coordinates, solid.groups, steel(), Formulation::BBar);
     const Eigen::MatrixXd R = rigidBodyModes(solid.coordinates);
     TEST_ASSERT((R.transpose() * k).norm() < 1e-14 * k.norm());

@@ -88,16 +88,20 @@ void checkElements(const Mesh& mesh) {
   }
 }
 
-// Plain hexahedra lock near incompressibility; the mean dilatation frees them.
+// Plain elements lock near incompressibility; B-bar frees all but linear tetrahedra, wedges and pyramids (doc/decisions/027).
 void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh, ModelData& data) {
   constexpr double kNearlyIncompressible = 0.45;
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
-    if (mesh.blocks[b].topology != Topology::Hex8 || materialOfBlock[b] < 0) continue;
-    const IsotropicMaterial& material = data.materials[materialOfBlock[b]];
-    if (material.poissonsRatio <= kNearlyIncompressible || data.formulation == Formulation::BBar) continue;
-    data.formulation = Formulation::BBar;
-    data.remarks.push_back("HEX8 elements use B-bar (mean dilatation), because Poisson's ratio of '" + material.name +
-                           "' is close to 0.5");
+    const Topology topology = mesh.blocks[b].topology;
+    if (materialOfBlock[b] < 0 || data.materials[std::size_t(materialOfBlock[b])].poissonsRatio <= kNearlyIncompressible) continue;
+    const std::string why = ", because Poisson's ratio of '" + data.materials[std::size_t(materialOfBlock[b])].name + "' is close to 0.5";
+    if (topology != Topology::Hex8 && !elementShape(topology).hasMidNodes()) {
+      data.remarks.push_back(std::string(topologyName(topology)) + " elements of block '" + blockLabel(mesh.blocks[b]) + "' are too stiff" +
+                             why + "; HEX8 or quadratic elements are not");
+    } else if (data.formulation != Formulation::BBar) {
+      data.formulation = Formulation::BBar;
+      data.remarks.push_back(std::string(topologyName(topology)) + " elements use B-bar (mean dilatation)" + why);
+    }
   }
 }
 
