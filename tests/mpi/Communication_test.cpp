@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "Haptos_Exchange.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "RankRuns.hpp"
 
 using namespace Haptos;

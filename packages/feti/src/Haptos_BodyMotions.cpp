@@ -2,23 +2,18 @@
 #include "Haptos_BodyMotions.hpp"
 
 #include <Teuchos_Assert.hpp>
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 
 namespace Haptos {
 namespace {
-
-template <class Packed>
-void sumOverRanks(const Communicator& comm, Packed& values) {
-  const Packed mine = values;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), values.data());
-}
 
 // Coefficients of the motions without energy, by columns: U [6 x 6] what the motions have outside the kernels, squared, N the
 // motions themselves.
@@ -39,14 +34,13 @@ void BodyMotions::findBodies(const Communicator& comm, const LocalSystems& syste
   Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(4, count);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (const auto& x : systems.source().coordinates(int(i))) sums.col(bodies[i]) += Eigen::Vector4d(x[0], x[1], x[2], 1.0);
-  sumOverRanks(comm, sums);
+  sums = sumOfAll(comm, sums);
   for (int b = 0; b < count; ++b) centre_.push_back(sums.col(b).head<3>() / sums(3, b));
-  Eigen::VectorXd size2 = Eigen::VectorXd::Zero(count), largest2(count);
+  Eigen::VectorXd size2 = Eigen::VectorXd::Zero(count);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     for (const auto& x : systems.source().coordinates(int(i)))
       size2[bodies[i]] = std::max(size2[bodies[i]], (Eigen::Vector3d(x[0], x[1], x[2]) - centre_[std::size_t(bodies[i])]).squaredNorm());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, size2.data(), largest2.data());
-  for (int b = 0; b < count; ++b) size_.push_back(std::sqrt(largest2[b]));
+  for (double squared : largestOfAll(comm, size2)) size_.push_back(std::sqrt(squared));
 }
 
 // The six at a place.
@@ -86,23 +80,19 @@ BodyMotions::Sums BodyMotions::sumUp(const NaturalCoarseSpace& G, const LocalSys
     sums.add(block, N, G.columnOf(int(i)), bodies[i]);
   }
   const Communicator& comm = *G.getRangeMap()->getComm();
-  sumOverRanks(comm, sums.rows);
-  sumOverRanks(comm, sums.squares);
-  sumOverRanks(comm, sums.bodyOf);
-  return sums;
+  return {sumOfAll(comm, sums.rows), sumOfAll(comm, sums.squares), sumOfAll(comm, sums.bodyOf)};
 }
 
 // The coarse unknowns of every body's first subdomain.
 void BodyMotions::findFirst(const NaturalCoarseSpace& G, const std::vector<int>& bodies) {
   const Communicator& comm = *G.getRangeMap()->getComm();
-  const int count = numBodies();
-  std::vector<int> begin(names_.size(), G.dimension()), first(begin), end(names_.size(), 0), last(end);
+  std::vector<int> begin(names_.size(), G.dimension()), end(names_.size(), 0);
   for (std::size_t i = 0; i < bodies.size(); ++i) begin[bodies[i]] = std::min(begin[bodies[i]], G.columnOf(int(i)));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, count, begin.data(), first.data());
+  const auto first = leastOfAll(comm, begin);
   for (std::size_t i = 0; i < bodies.size(); ++i)
     if (G.columnOf(int(i)) == first[bodies[i]]) end[bodies[i]] = G.columnOf(int(i) + 1);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, count, end.data(), last.data());
-  for (int b = 0; b < count; ++b) first_.push_back({first[b], last[b]});
+  const auto last = largestOfAll(comm, end);
+  for (std::size_t b = 0; b < first.size(); ++b) first_.push_back({first[b], last[b]});
 }
 
 BodyMotions::BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies,
@@ -175,8 +165,7 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, 
   TEUCHOS_ASSERT(holds.size() == std::size_t(GT.rows()));
   if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  Eigen::MatrixXd A = gramOfJumps(GT, Z, holds);
-  sumOverRanks(comm, A);
+  const Eigen::MatrixXd A = sumOfAll(comm, gramOfJumps(GT, Z, holds));
   const SymmetricEigen eigen(A);
   const double largest = std::max(1.0, eigen.values.tail<1>()[0]);  // 1: where nothing is held at all
   Eigen::Index k = 0;

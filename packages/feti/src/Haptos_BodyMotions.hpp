@@ -7,10 +7,11 @@
 #include <vector>
 
 #include "Haptos_CoarseProblem.hpp"
-#include "Haptos_LocalSystems.hpp"
 #include "Haptos_NaturalCoarseSpace.hpp"
 
 namespace Haptos {
+
+class LocalSystems;
 
 /// \brief The rigid motions of every body, in the coordinates of the subdomains' kernels.
 ///

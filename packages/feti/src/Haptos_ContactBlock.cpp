@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
@@ -92,7 +94,7 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
   for (std::size_t c = 0; c < members.size(); ++c) {
     std::set<int> all;
     for (int member : members[c]) all.insert(nodes[std::size_t(member)].begin(), nodes[std::size_t(member)].end());
-    const auto& boundary = preconditioner_->boundary(int(c));
+    const auto& boundary = preconditioner_->surface().boundary(int(c));
     const bool isDense = 3 * all.size() <= std::size_t(kLargestDense);
     for (std::size_t i = 0; i < boundary.size() && !all.empty(); ++i) {
       if (isDense && all.count(boundary[i] / 3) == 0) continue;
@@ -125,9 +127,9 @@ DenseSymmetric ContactBlock::denseBlock(int congruenceClass) const {
   constexpr std::size_t kSmall = 200;  // unknowns: a full product takes a third of the time of a packed one
   const auto& unknowns = unknowns_[std::size_t(congruenceClass)];
   const bool shared = preconditioner_->systems().members()[std::size_t(congruenceClass)].size() > 1;
-  return {preconditioner_->schurBlock(congruenceClass, unknowns),
+  return {preconditioner_->surface().block(congruenceClass, unknowns),
           shared || unknowns.size() <= kSmall ? DenseSymmetric::Storage::Full : DenseSymmetric::Storage::Packed,
-          preconditioner_->isDouble(congruenceClass) ? DenseSymmetric::Precision::Double : DenseSymmetric::Precision::Single};
+          preconditioner_->surface().isDouble(congruenceClass) ? DenseSymmetric::Precision::Double : DenseSymmetric::Precision::Single};
 }
 
 // t := S_cc t class by class, the members of a class side by side: one product for all of them.
@@ -138,7 +140,7 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
     const Eigen::MatrixXd x = part;
     Eigen::MatrixXd y(x.rows(), x.cols());
     if (dense_[c].size() > 0) dense_[c].apply(x, y);
-    else preconditioner_->applySchur(int(c), x, y);
+    else preconditioner_->surface().apply(int(c), x, y);
     part = y;
   }
 }
@@ -172,7 +174,7 @@ void ContactRows::findTouchingRows() {
   std::vector<std::vector<int>> positionOf(active.size());  // local dof -> position in the boundary list
   for (std::size_t c = 0; c < active.size(); ++c) {
     if (active[c].empty()) continue;
-    const auto& boundary = preconditioner_->boundary(int(c));
+    const auto& boundary = preconditioner_->surface().boundary(int(c));
     positionOf[c].assign(std::size_t(preconditioner_->systems()[active[c].front()].R().rows()), -1);
     for (std::size_t i = 0; i < boundary.size(); ++i) positionOf[c][std::size_t(boundary[i])] = int(i);
     for (int member : active[c]) {
@@ -209,10 +211,10 @@ Eigen::VectorXd ContactRows::multiplyActive(const Eigen::VectorXd& t) const {
   const double* from = t.data();
   for (std::size_t c = 0; c < active.size(); ++c) {
     if (active[c].empty()) continue;
-    const Eigen::Map<const Eigen::MatrixXd> X(from, preconditioner_->boundarySize(int(c)), Eigen::Index(active[c].size()));
+    const Eigen::Map<const Eigen::MatrixXd> X(from, Eigen::Index(preconditioner_->surface().boundary(int(c)).size()), Eigen::Index(active[c].size()));
     from += X.size();
     Eigen::MatrixXd Y(X.rows(), X.cols());
-    preconditioner_->applySchur(int(c), X, Y);
+    preconditioner_->surface().apply(int(c), X, Y);
     for (Eigen::Index j = 0; j < Y.cols(); ++j)
       for (int i : block_->unknowns()[c]) picked.push_back(Y(i, j));
   }

@@ -6,6 +6,7 @@
 #include "Haptos_CompactRows.hpp"
 #include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_DualPreconditioner.hpp"
+#include "Haptos_RowGram.hpp"
 
 namespace Haptos {
 

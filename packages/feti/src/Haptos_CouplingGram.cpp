@@ -1,27 +1,21 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CouplingGram.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <iterator>
 #include <map>
-#include <numeric>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_DenseDecompositions.hpp"
-#include "Haptos_Exchange.hpp"
-#include "Haptos_TpetraCompat.hpp"
+#include "Haptos_DisjointSets.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
 
 constexpr std::size_t kMostDense = 60;  // rows: beyond, a sparse factor costs less than an inverse
-
-int findRoot(std::vector<int>& parent, int i) {
-  while (parent[std::size_t(i)] != i) i = parent[std::size_t(i)] = parent[std::size_t(parent[std::size_t(i)])];
-  return i;
-}
 
 bool isFree(const PairNode& node) { return !(node.isPrescribed[0] && node.isPrescribed[1] && node.isPrescribed[2]); }
 
@@ -89,23 +83,12 @@ struct CouplingGram::Held {
     std::array<GlobalOrdinal, 3> rows;
     std::array<std::array<double, 3>, 3> axes;
     std::vector<PairNode> nodes;
+
+    auto parts() { return std::tie(rows, axes, nodes); }
   };
   std::vector<Item> items;
   std::vector<GlobalOrdinal> rows;
   std::vector<std::int64_t> nodes;  // those with gluing rows, ascending
-
-  void add(ByteReader& reader) {
-    Item item;
-    for (auto& row : item.rows) {
-      row = reader.read<GlobalOrdinal>();
-      if (row >= 0) rows.push_back(row);
-    }
-    item.axes = reader.read<std::array<std::array<double, 3>, 3>>();
-    item.nodes = reader.readVector<PairNode>();
-    for (const PairNode& node : item.nodes)
-      if (node.owner >= 0 && isFree(node)) nodes.push_back(node.node);
-    items.push_back(std::move(item));
-  }
 };
 
 CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScaling)
@@ -114,9 +97,7 @@ CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScali
   const auto groups = findLocalGroups();
   invertGroups(groups);
   const auto holders = findHolders(groups);
-  int mine = std::any_of(holders.begin(), holders.end(), [](int rank) { return rank >= 0; }), any = 0;
-  Teuchos::reduceAll(*multipliers.map()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
-  isAnyHeld_ = any != 0;
+  isAnyHeld_ = anyOfAll(*multipliers.map()->getComm(), std::any_of(holders.begin(), holders.end(), [](int rank) { return rank >= 0; }));
   if (!isAnyHeld_) return;
   holdFactors(holders);
   setHeldDiagonals();
@@ -147,20 +128,18 @@ void CouplingGram::findRowsAndNodes() {
 
 std::vector<CouplingGram::Group> CouplingGram::findLocalGroups() const {
   const auto& couplings = multipliers_.couplings();
-  std::vector<int> parent(couplings.size());
-  std::iota(parent.begin(), parent.end(), 0);
+  DisjointSets sets(couplings.size());
   std::vector<std::pair<std::int64_t, int>> meetings;
   for (std::size_t i = 0; i < couplings.size(); ++i)
     for (const PairNode& node : couplings[i].nodes)
       if (couplings[i].holder < 0 && isFree(node)) meetings.emplace_back(node.node, int(i));
   std::sort(meetings.begin(), meetings.end());
   for (std::size_t k = 1; k < meetings.size(); ++k)
-    if (meetings[k].first == meetings[k - 1].first)
-      parent[std::size_t(findRoot(parent, meetings[k].second))] = findRoot(parent, meetings[k - 1].second);
+    if (meetings[k].first == meetings[k - 1].first) sets.join(meetings[k].second, meetings[k - 1].second);
   std::map<int, Group> groups;
   for (std::size_t i = 0; i < couplings.size(); ++i) {
     if (couplings[i].holder >= 0) continue;
-    Group& group = groups[findRoot(parent, int(i))];
+    Group& group = groups[sets.lowest(int(i))];
     group.couplings.push_back(&couplings[i]);
     for (int row : couplings[i].rows)
       if (row >= 0) group.rows.push_back(positionOfRow(row));
@@ -212,25 +191,28 @@ std::vector<int> CouplingGram::findHolders(const std::vector<Group>& groups) con
 
 void CouplingGram::holdFactors(const std::vector<int>& holders) {
   const auto& comm = *multipliers_.map()->getComm();
-  std::vector<ByteWriter> writers(std::size_t(comm.getSize()));
+  std::vector<std::vector<Held::Item>> outgoing(std::size_t(comm.getSize()));
   for (std::size_t i = 0; i < holders.size(); ++i) {
     if (holders[i] < 0) continue;
     const Coupling& coupling = multipliers_.couplings()[i];
-    ByteWriter& writer = writers[std::size_t(holders[i])];
-    for (int row : coupling.rows) writer.write(row < 0 ? GlobalOrdinal(-1) : multipliers_.map()->getGlobalElement(row));
-    writer.write(coupling.axes);
-    writer.write(coupling.nodes);
+    Held::Item item{{-1, -1, -1}, coupling.axes, coupling.nodes};
+    for (std::size_t a = 0; a < 3; ++a)
+      if (coupling.rows[a] >= 0) item.rows[a] = multipliers_.map()->getGlobalElement(coupling.rows[a]);
+    outgoing[std::size_t(holders[i])].push_back(std::move(item));
   }
-  std::vector<Bytes> messages;
-  for (auto& writer : writers) messages.push_back(writer.take());
-  Held held;
-  for (const auto& message : exchangeAll(comm, messages))
-    for (ByteReader reader(message); !reader.atEnd();) held.add(reader);
+  Held held{joined(exchangeValues(comm, outgoing)), {}, {}};
+  for (const auto& item : held.items) {
+    std::copy_if(item.rows.begin(), item.rows.end(), std::back_inserter(held.rows), [](GlobalOrdinal row) { return row >= 0; });
+    for (const PairNode& node : item.nodes)
+      if (node.owner >= 0 && isFree(node)) held.nodes.push_back(node.node);
+  }
   std::sort(held.nodes.begin(), held.nodes.end());
   held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
   factorHeld(held);
-  rowTransfer_ = makeTransfer(holders, held, false);
-  transfer_ = makeTransfer(holders, held, true);
+  Ends ends = endsOfRows(holders, held);
+  rowTransfer_ = makeTransfer(ends);
+  addNodes(holders, held, ends);
+  transfer_ = makeTransfer(ends);
 }
 
 // Unknowns are the rows, or for all three rows of a pair the same in global axes: x_d = sum over rows axes[a][d] x_a.
@@ -272,40 +254,45 @@ void CouplingGram::factorHeld(const Held& held) {
   factor_ = SparseLdl(S);
 }
 
-CouplingGram::Transfer CouplingGram::makeTransfer(const std::vector<int>& holders, const Held& held, bool withNodes) const {
-  const Map& map = *multipliers_.map();
-  const auto comm = map.getComm();
-  const auto numRows = GlobalOrdinal(map.getGlobalNumElements());
-  Transfer transfer;
-  std::vector<GlobalOrdinal> from, to = held.rows;
+// Rows of held couplings here, and where their factors are.
+CouplingGram::Ends CouplingGram::endsOfRows(const std::vector<int>& holders, const Held& held) const {
+  Ends ends{{}, {}, held.rows};
+  for (std::size_t i = 0; i < holders.size(); ++i)
+    for (int row : multipliers_.couplings()[i].rows) {
+      if (holders[i] < 0 || row < 0) continue;
+      ends.mine.push_back(positionOfRow(row));
+      ends.from.push_back(multipliers_.map()->getGlobalElement(row));
+    }
+  return ends;
+}
+
+// Three numbers a node, behind those of all rows.
+void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, Ends& ends) const {
+  const auto numRows = GlobalOrdinal(multipliers_.map()->getGlobalNumElements());
   std::vector<std::int64_t> wanted;  // nodes of this rank's large groups
   for (std::size_t i = 0; i < holders.size(); ++i) {
-    if (holders[i] < 0) continue;
     const Coupling& coupling = multipliers_.couplings()[i];
-    for (int row : coupling.rows) {
-      if (row < 0) continue;
-      transfer.mine.push_back(positionOfRow(row));
-      from.push_back(map.getGlobalElement(row));
-    }
+    if (holders[i] < 0 || coupling.holder >= 0) continue;
     for (const PairNode& node : coupling.nodes)
-      if (coupling.holder < 0 && node.owner >= 0 && isFree(node)) wanted.push_back(node.node);
+      if (node.owner >= 0 && isFree(node)) wanted.push_back(node.node);
   }
   std::sort(wanted.begin(), wanted.end());
-  for (std::size_t k = 0; k < nodes_.size() && withNodes; ++k) {
+  for (std::size_t k = 0; k < nodes_.size(); ++k) {
     const NodeRows& node = multipliers_.nodeRows()[std::size_t(nodes_[k])];
     if (node.holder < 0 && !std::binary_search(wanted.begin(), wanted.end(), node.node)) continue;
     for (int d = 0; d < 3; ++d) {
-      transfer.mine.push_back(int(rows_.size() + 3 * k) + d);
-      from.push_back(numRows + 3 * node.node + d);
+      ends.mine.push_back(int(rows_.size() + 3 * k) + d);
+      ends.from.push_back(numRows + 3 * node.node + d);
     }
   }
-  for (std::size_t k = 0; k < held.nodes.size() && withNodes; ++k)
-    for (int d = 0; d < 3; ++d) to.push_back(numRows + 3 * held.nodes[k] + d);
-  transfer.from = mapOf(from, comm);
-  transfer.to = mapOf(to, comm);
-  transfer.there = Teuchos::rcp(new Tpetra::Import<>(transfer.from, transfer.to));
-  transfer.back = Teuchos::rcp(new Tpetra::Import<>(transfer.to, transfer.from));
-  return transfer;
+  for (const auto node : held.nodes)
+    for (int d = 0; d < 3; ++d) ends.to.push_back(numRows + 3 * node + d);
+}
+
+CouplingGram::Transfer CouplingGram::makeTransfer(const Ends& ends) const {
+  const auto comm = multipliers_.map()->getComm();
+  const auto from = mapOf(ends.from, comm), to = mapOf(ends.to, comm);
+  return {ends.mine, from, to, Teuchos::rcp(new Tpetra::Import<>(from, to)), Teuchos::rcp(new Tpetra::Import<>(to, from))};
 }
 
 Eigen::VectorXd CouplingGram::Transfer::gather(const Eigen::VectorXd& own) const {

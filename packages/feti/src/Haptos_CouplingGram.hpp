@@ -52,6 +52,10 @@ class CouplingGram {
   };
   struct Group;   // rows that meet
   struct Held;    // couplings at the rank that has their factor
+  struct Ends {   // of a transfer: global numbers here and at the holders
+    std::vector<int> mine;
+    std::vector<GlobalOrdinal> from, to;
+  };
 
   void findRowsAndNodes();
   std::vector<Group> findLocalGroups() const;
@@ -59,7 +63,9 @@ class CouplingGram {
   std::vector<int> findHolders(const std::vector<Group>& groups) const;
   void holdFactors(const std::vector<int>& holders);
   void factorHeld(const Held& held);
-  Transfer makeTransfer(const std::vector<int>& holders, const Held& held, bool withNodes) const;
+  Ends endsOfRows(const std::vector<int>& holders, const Held& held) const;
+  void addNodes(const std::vector<int>& holders, const Held& held, Ends& ends) const;
+  Transfer makeTransfer(const Ends& ends) const;
   void setHeldDiagonals();
   double weightOf(const PairNode& node) const { return 1.0 / (stiffnessScaling_ ? node.stiffness : double(node.copies)); }
   int positionOfRow(int row) const;

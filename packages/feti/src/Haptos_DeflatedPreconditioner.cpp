@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_DeflatedPreconditioner.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <map>
 
 #include "Haptos_ContactBlock.hpp"
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_SoftModes.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
@@ -45,8 +47,7 @@ class DeflatedContactBlock final : public Operator {
     for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
       const auto in = x.getData(v);
       const Eigen::VectorXd mine = Y_.transpose() * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size());
-      Eigen::VectorXd g(mine.size());
-      Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), g.data());
+      const auto g = sumOfAll(*getRangeMap()->getComm(), mine);
       const auto out = y.getDataNonConst(v);
       Eigen::Map<Eigen::VectorXd>(out.getRawPtr(), out.size()) -= alpha * (YK_ * g);
     }
@@ -62,11 +63,10 @@ class DeflatedContactBlock final : public Operator {
 // How many columns there would be is known before they are made, and the same on all ranks.
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender) {
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender));
-  long mine = 0, all = 0;
+  long mine = 0;
   for (int c = 0; c < base->systems().numClasses(); ++c)
     mine += result->motions_[std::size_t(c)].cols() * long(base->systems().members()[c].size());
-  Teuchos::reduceAll(*base->getRangeMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
-  if (all > kLargest) return {};
+  if (sumOfAll(*base->getRangeMap()->getComm(), mine) > kLargest) return {};
   result->assemble();
   return result;
 }
@@ -81,14 +81,14 @@ DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> bas
 void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   const LocalSystems& systems = base_->systems();
   for (int c = 0; c < systems.numClasses(); ++c) {
-    const auto& dofs = base_->boundary(c);
+    const auto& dofs = base_->surface().boundary(c);
     const int first = systems.members()[c].front();
     Eigen::MatrixXd all(Eigen::Index(dofs.size()), systems[first].R().cols());
     for (std::size_t i = 0; i < dofs.size(); ++i) all.row(Eigen::Index(i)) = systems[first].R().row(dofs[i]);
     L_.emplace_back();
     if (slender[std::size_t(first)]) {
       Eigen::MatrixXd S(all.rows(), all.rows());
-      base_->applySchur(c, Eigen::MatrixXd::Identity(all.rows(), all.rows()), S);
+      base_->surface().apply(c, Eigen::MatrixXd::Identity(all.rows(), all.rows()), S);
       SoftSpectrum soft = softSpectrum(0.5 * (S + S.transpose()), all);
       L_.back() = std::move(soft.L);
       const Eigen::Index rigid = all.cols();
@@ -116,7 +116,7 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
     const auto data = t.getDataNonConst(v);
     for (int i = 0; i < base_->systems().size(); ++i) {
       const int c = base_->systems()[i].congruenceClass;
-      const auto& dofs = base_->boundary(c);
+      const auto& dofs = base_->surface().boundary(c);
       Eigen::MatrixXd x(Eigen::Index(dofs.size()), 1);
       for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), 0) = data[offsets[std::size_t(i)] + std::size_t(dofs[k])];
       if (x.isZero(0)) continue;
@@ -145,7 +145,7 @@ void DeflatedPreconditioner::applyRest(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) return;
     Eigen::MatrixXd y(x.rows(), x.cols());
-    base_->applySchur(c, x, y);
+    base_->surface().apply(c, x, y);
     x = std::move(y);
   });
 }
@@ -153,7 +153,7 @@ void DeflatedPreconditioner::applyRest(MultiVector& t) const {
 // which: local subdomain, motion
 void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const {
   const int c = base_->systems()[which[0]].congruenceClass;
-  const auto& dofs = base_->boundary(c);
+  const auto& dofs = base_->surface().boundary(c);
   const std::size_t offset = base_->jump().primalOffsets()[std::size_t(which[0])];
   const auto data = t.getDataNonConst(column);
   for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(c)](Eigen::Index(k), which[1]);
@@ -165,15 +165,13 @@ void DeflatedPreconditioner::assemble() {
   std::vector<std::array<int, 2>> columns;  // of this rank
   for (int i = 0; i < base_->systems().size(); ++i)
     for (int m = 0; m < int(motions_[std::size_t(base_->systems()[i].congruenceClass)].cols()); ++m) columns.push_back({i, m});
-  int mine = int(columns.size()), end = 0, all = 0;
-  Teuchos::scan(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
+  const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   std::vector<Eigen::Triplet<double>> hz, chz;
   for (int first = 0; first < all; first += kBlock) {
     const int width = std::min(kBlock, all - first);
     MultiVector t(base_->jump().getDomainMap(), width);
     for (int j = 0; j < width; ++j) {
-      const int own = first + j - (end - mine);
+      const int own = first + j - before;
       if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], t, std::size_t(j));
     }
     average(t);
@@ -188,8 +186,7 @@ void DeflatedPreconditioner::assemble() {
   HZ_.setFromTriplets(hz.begin(), hz.end());
   CHZ_.setFromTriplets(chz.begin(), chz.end());
   const Eigen::MatrixXd part = Columns(HZ_.transpose() * CHZ_);
-  Eigen::MatrixXd K(all, all);
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(part.size()), part.data(), K.data());
+  const auto K = sumOfAll(comm, part);
   factor(0.5 * (K + K.transpose()));
 }
 
@@ -214,10 +211,8 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
 
 // Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1); K^+ is put on one side of the product.
 RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
-  const int mine = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
-  int slender = 0;
-  Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(slender));
-  if (slender != 0) return {};
+  const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
+  if (anyOfAll(*getRangeMap()->getComm(), isSlender)) return {};
   Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK(Y.rows(), Y.cols());
   for (Eigen::Index i = 0; i < Y.rows(); ++i) YK.row(i) = solve(Y.row(i).transpose()).transpose();
   return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
@@ -241,9 +236,7 @@ void DeflatedPreconditioner::project(const Columns& A, const Columns& C, Vector&
   const auto data = t.getDataNonConst(0);
   Eigen::Map<Eigen::VectorXd> values(data.getRawPtr(), data.size());
   const Eigen::VectorXd mine = C.transpose() * values;
-  Eigen::VectorXd g(mine.size());
-  Teuchos::reduceAll(*getRangeMap()->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), g.data());
-  values -= A * solve(g);
+  values -= A * solve(sumOfAll(*getRangeMap()->getComm(), mine));
 }
 
 // z = B_D H^T (1 - C H Z K^+ (H Z)^T) C (1 - H Z K^+ (C H Z)^T) H B_D^T x

@@ -4,6 +4,8 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 
+#include "Haptos_LocalSystems.hpp"
+
 namespace Haptos {
 
 DualOperator::DualOperator(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems)

@@ -3,9 +3,10 @@
 #include <Tpetra_Operator.hpp>
 
 #include "Haptos_JumpOperator.hpp"
-#include "Haptos_LocalSystems.hpp"
 
 namespace Haptos {
+
+class LocalSystems;
 
 /// \brief F = B K^+ B^T on the dual map [length/force]: jump, local solves, jump.
 ///

@@ -5,6 +5,10 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_RowGram.hpp"
+#include "Haptos_SurfaceOperators.hpp"
+
 namespace Haptos {
 namespace {
 
@@ -13,28 +17,31 @@ constexpr int kBlock = 64;
 }  // namespace
 
 DualPreconditioner::DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, SurfaceOperators surface)
-    : jump_(std::move(jump)), systems_(std::move(systems)), gram_(jump_->multipliers()), surface_(std::move(surface)) {
-  TEUCHOS_ASSERT(surface_.numClasses() == systems_->numClasses());
+    : jump_(std::move(jump)), systems_(std::move(systems)), gram_(std::make_unique<RowGram>(jump_->multipliers())),
+      surface_(std::make_unique<SurfaceOperators>(std::move(surface))) {
+  TEUCHOS_ASSERT(surface_->numClasses() == systems_->numClasses());
   const auto& offsets = jump_->primalOffsets();
   weights_.assign(offsets.back(), 0.0);
   for (const auto& entry : jump_->multipliers().overlapEntries())
     weights_[offsets[entry.subdomain - jump_->firstSubdomain()] + entry.dof] = 1.0 / entry.weight;
 }
 
+DualPreconditioner::~DualPreconditioner() = default;
+
 // t := S t on the surfaces, classes with many members in blocks of columns: what BLAS 3 needs, with a bound on memory.
 void DualPreconditioner::applyLocal(MultiVector& t) const {
   const auto& offsets = jump_->primalOffsets();
   const auto data = t.getDataNonConst(0);
-  for (int c = 0; c < surface_.numClasses(); ++c) {
+  for (int c = 0; c < surface_->numClasses(); ++c) {
     const auto& members = systems_->members()[std::size_t(c)];
-    const auto& dofs = boundary(c);
+    const auto& dofs = surface_->boundary(c);
     const Eigen::Index nb = Eigen::Index(dofs.size());
     for (std::size_t first = 0; first < members.size(); first += kBlock) {
       const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
       Eigen::MatrixXd X(nb, width), Y(nb, width);
       for (int j = 0; j < width; ++j)
         for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = data[offsets[members[first + j]] + dofs[i]];
-      applySchur(c, X, Y);
+      surface_->apply(c, X, Y);
       for (int j = 0; j < width; ++j)
         for (Eigen::Index i = 0; i < nb; ++i) data[offsets[members[first + j]] + dofs[i]] = Y(i, j);
     }
@@ -52,7 +59,7 @@ void DualPreconditioner::scale(MultiVector& t) const {
 // t = B_D^T x = W B^T (B W B^T)^+ x
 void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
   MultiVector z(x.getMap(), x.getNumVectors(), false);
-  gram_.apply(x, z);
+  gram_->apply(x, z);
   jump_->apply(z, t, Teuchos::TRANS);
   scale(t);
 }
@@ -62,7 +69,7 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   MultiVector z(y.getMap(), y.getNumVectors(), false);
   scale(t);
   jump_->apply(t, z);
-  gram_.apply(z, y);
+  gram_->apply(z, y);
 }
 
 // M x = B_D S B_D^T x, vector by vector in workspaces that stay
@@ -82,10 +89,10 @@ void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ET
 RCP<Vector> DualPreconditioner::diagonal() const {
   const auto& offsets = jump_->primalOffsets();
   std::vector<double> diagS(offsets.back(), 0.0);
-  for (int c = 0; c < surface_.numClasses(); ++c) {
-    const auto& d = surface_.diagonal(c);
+  for (int c = 0; c < surface_->numClasses(); ++c) {
+    const auto& d = surface_->diagonal(c);
     for (int member : systems_->members()[c])
-      for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + boundary(c)[std::size_t(i)]] = d[i];
+      for (Eigen::Index i = 0; i < d.size(); ++i) diagS[offsets[member] + surface_->boundary(c)[std::size_t(i)]] = d[i];
   }
   // sum over the copies of (B W)^2 diag S, then the rows' own (B W B^T)^-1
   const auto& multipliers = jump_->multipliers();
@@ -103,7 +110,7 @@ RCP<Vector> DualPreconditioner::diagonal() const {
   }
   remoteRows.addToOwners(remote, *result);
   const auto data = result->getDataNonConst(0);
-  const Eigen::VectorXd inverse = gram_.diagonal();
+  const Eigen::VectorXd inverse = gram_->diagonal();
   for (Eigen::Index row = 0; row < inverse.size(); ++row) data[row] *= inverse[row] * inverse[row];
   return result;
 }

@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "Haptos_JumpOperator.hpp"
-#include "Haptos_LocalSystems.hpp"
-#include "Haptos_RowGram.hpp"
-#include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos {
+
+class LocalSystems;
+class RowGram;
+class SurfaceOperators;
 
 /// \brief M = B_D S B_D^T with B_D = (B W B^T)^+ B W; S the Schur complements (Dirichlet) or K_bb (lumped).
 ///
@@ -20,6 +21,7 @@ class DualPreconditioner final : public Operator {
  public:
   /// \param surface of all classes of `systems`
   DualPreconditioner(RCP<const JumpOperator> jump, RCP<const LocalSystems> systems, SurfaceOperators surface);
+  ~DualPreconditioner();
 
   RCP<const Map> getDomainMap() const override { return jump_->getRangeMap(); }
   RCP<const Map> getRangeMap() const override { return jump_->getRangeMap(); }
@@ -38,20 +40,10 @@ class DualPreconditioner final : public Operator {
   /// \brief y := B_D t, primal to dual; t is changed.  Collective.
   void collect(MultiVector& t, MultiVector& y) const;
 
-  /// \brief Y := S X of one congruence class (K_bb X when lumped), [boundarySize x m].
-  void applySchur(int congruenceClass, const Eigen::MatrixXd& X, Eigen::MatrixXd& Y) const { surface_.apply(congruenceClass, X, Y); }
-
-  /// \brief S(c, c) of one class, `c` positions in its boundary list; symmetric.
-  Eigen::MatrixXd schurBlock(int congruenceClass, const std::vector<int>& c) const { return surface_.block(congruenceClass, c); }
-
-  /// \brief Whether S of one class is kept in double precision.
-  bool isDouble(int congruenceClass) const { return surface_.isDouble(congruenceClass); }
-
   const JumpOperator& jump() const { return *jump_; }
-  const RowGram& gram() const { return gram_; }
+  const RowGram& gram() const { return *gram_; }
   const LocalSystems& systems() const { return *systems_; }
-  const std::vector<int>& boundary(int congruenceClass) const { return surface_.boundary(congruenceClass); }  ///< local dofs
-  Eigen::Index boundarySize(int congruenceClass) const { return Eigen::Index(boundary(congruenceClass).size()); }
+  const SurfaceOperators& surface() const { return *surface_; }  ///< S, class by class
 
  private:
   void applyLocal(MultiVector& t) const;
@@ -59,9 +51,9 @@ class DualPreconditioner final : public Operator {
 
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;
-  RowGram gram_;
+  std::unique_ptr<const RowGram> gram_;
   std::vector<double> weights_;                // [local primal] W, 0 where B has no entry
-  SurfaceOperators surface_;
+  std::unique_ptr<const SurfaceOperators> surface_;
   mutable RCP<MultiVector> t_;  // of the last application: other memory would be other pages each time
   mutable long applications_ = 0;
 };

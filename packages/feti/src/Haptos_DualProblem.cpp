@@ -4,6 +4,8 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_LocalSystems.hpp"
+
 namespace Haptos {
 
 DualProblem::DualProblem(RCP<const DualOperator> dualOperator, RCP<const NaturalCoarseSpace> coarseSpace, RCP<const CoarseProblem> coarse)

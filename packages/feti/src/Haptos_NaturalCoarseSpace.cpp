@@ -9,6 +9,7 @@
 
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Exchange.hpp"
+#include "Haptos_LocalSystems.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {

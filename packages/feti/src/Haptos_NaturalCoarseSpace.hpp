@@ -6,9 +6,10 @@
 
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_JumpOperator.hpp"
-#include "Haptos_LocalSystems.hpp"
 
 namespace Haptos {
+
+class LocalSystems;
 
 /// \brief G = R^T B^T, from the dual map to the kernels of all subdomains, and e = R^T f.
 ///

@@ -66,10 +66,10 @@ TEUCHOS_UNIT_TEST(SoftModes, TellPlatesFromBlocksAndKeepTheEnergy) {
     const int found = int(std::count(t.slender.begin(), t.slender.end(), char(1)));
     TEST_EQUALITY(found, height < 0.5 ? int(t.slender.size()) : 0);
     if (t.feti.systems->numClasses() == 0) continue;
-    const Eigen::Index n = t.M->boundarySize(0);
+    const Eigen::Index n = Eigen::Index(t.M->surface().boundary(0).size());
     Dense S(n, n), R(n, 6);
-    t.M->applySchur(0, Dense::Identity(n, n), S);
-    for (Eigen::Index i = 0; i < n; ++i) R.row(i) = (*t.feti.systems)[t.feti.systems->members()[0].front()].R().row(t.M->boundary(0)[std::size_t(i)]);
+    t.M->surface().apply(0, Dense::Identity(n, n), S);
+    for (Eigen::Index i = 0; i < n; ++i) R.row(i) = (*t.feti.systems)[t.feti.systems->members()[0].front()].R().row(t.M->surface().boundary(0)[std::size_t(i)]);
     const SoftSpectrum soft = softSpectrum(S, R);
     TEST_COMPARE(largest(soft.L.transpose() * soft.L - S), <=, 1e-10 * largest(S));
     TEST_COMPARE(largest(soft.L * R), <=, 1e-9 * largest(soft.L));

@@ -6,9 +6,11 @@
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_DualOperator.hpp"
 #include "Haptos_ElasticStiffness.hpp"
+#include "Haptos_LocalSystems.hpp"
 #include "Haptos_NaturalCoarseSpace.hpp"
 #include "Haptos_Projector.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos::Testing {
 

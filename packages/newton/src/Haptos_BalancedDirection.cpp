@@ -5,22 +5,15 @@
 #include <algorithm>
 #include <cmath>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_DenseDecompositions.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
 
 // Median of this rank's and all other ranks' values.  Collective.
 double globalMedian(const Communicator& comm, const std::vector<double>& values) {
-  ByteWriter writer;
-  writer.write(values);
-  std::vector<double> all;
-  for (const auto& message : gatherOnAll(comm, writer.take())) {
-    const auto part = ByteReader(message).readVector<double>();
-    all.insert(all.end(), part.begin(), part.end());
-  }
+  std::vector<double> all = gatheredOnAll(comm, values);
   if (all.empty()) return 0;
   std::sort(all.begin(), all.end());
   const std::size_t n = all.size();

@@ -11,6 +11,7 @@
 
 #include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_NodalLoads.hpp"
 
 namespace Haptos {

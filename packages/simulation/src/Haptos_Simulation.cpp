@@ -7,9 +7,12 @@
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_LocalSystems.hpp"
 #include "Haptos_ModelSystem.hpp"
 #include "Haptos_ParameterValidation.hpp"
+#include "Haptos_RowGram.hpp"
 
 namespace Haptos {
 namespace {

@@ -11,6 +11,7 @@
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_Parameters.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_StiffnessAssembler.hpp"

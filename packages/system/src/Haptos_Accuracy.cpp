@@ -1,13 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Accuracy.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
+
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
@@ -43,22 +46,18 @@ Continuity measureOwnNodes(const AccuracyInput& model, const NodalGather::Copies
 Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
   const Continuity mine = measureOwnNodes(model, model.gather.copies(u));
   const auto& comm = *u.getMap()->getComm();
-  const double values[2] = {mine.difference, mine.largest};
-  double most[2];
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, 2, values, most);
-  const GlobalOrdinal candidate = mine.difference == most[0] && mine.node >= 0 ? mine.node : std::numeric_limits<GlobalOrdinal>::max();
-  GlobalOrdinal node = 0;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MIN, candidate, Teuchos::outArg(node));
-  return {most[0], most[1], most[0] > 0 ? std::int64_t(node) : -1};
+  const auto most = largestOfAll(comm, std::array<double, 2>{mine.difference, mine.largest});
+  const bool isMine = mine.difference == most[0] && mine.node >= 0;
+  const auto node = leastOfAll(comm, isMine ? mine.node : std::numeric_limits<std::int64_t>::max());
+  return {most[0], most[1], most[0] > 0 ? node : -1};
 }
 
 // Squared norm of f - K u - B^T lambda for every body.
 std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
   Vector residual(*model.step.f, Teuchos::Copy);
   model.jump.apply(lambda, residual, Teuchos::TRANS, -1.0, 1.0);
-  const auto& comm = *u.getMap()->getComm();
   const auto r = residual.getData(0), x = u.getData(0);
-  std::vector<double> mine(std::size_t(model.numBodies), 0.0), all(mine);
+  std::vector<double> mine(std::size_t(model.numBodies), 0.0);
   for (std::size_t i = 0; i < model.bodies.size(); ++i) {
     const auto offset = model.jump.primalOffsets()[i];
     const Eigen::Index n = Eigen::Index(model.jump.primalOffsets()[i + 1] - offset);
@@ -67,33 +66,29 @@ std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u,
     model.systems.source().multiply(int(i), ui, Ku);
     mine[std::size_t(model.bodies[i])] += (ri - Ku).squaredNorm();
   }
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
-  return all;
+  return sumOfAll(*u.getMap()->getComm(), mine);
 }
 
 // Largest jump over tied rows.
 double measureTied(const MultiplierMap& multipliers, const Vector& s) {
   const auto data = s.getData(0);
-  double mine = 0, all = 0;
+  double mine = 0;
   for (std::size_t row = 0; row < multipliers.kinds().size(); ++row)
     if (multipliers.kinds()[row] == RowKind::Tied) mine = std::max(mine, std::abs(data[row]));
-  Teuchos::reduceAll(*s.getMap()->getComm(), Teuchos::REDUCE_MAX, mine, Teuchos::outArg(all));
-  return all;
+  return largestOfAll(*s.getMap()->getComm(), mine);
 }
 
 }  // namespace
 
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm) {
   const auto nodal = gather.sum(f);
-  double squares = 0, largest = 0, allSquares = 0, allLargest = 0;
+  double squares = 0, largest = 0;
   for (std::size_t i = 0; i < nodal.size(); i += 3) {
     const double load = std::hypot(nodal[i], nodal[i + 1], nodal[i + 2]);
     squares += load * load;
     largest = std::max(largest, load);
   }
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, squares, Teuchos::outArg(allSquares));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, largest, Teuchos::outArg(allLargest));
-  return {std::sqrt(allSquares), allLargest};
+  return {std::sqrt(sumOfAll(comm, squares)), largestOfAll(comm, largest)};
 }
 
 LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda) {
@@ -111,16 +106,13 @@ LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& la
 
 LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda) {
   const LocalReactions mine = localReactions(multipliers, lambda);
-  double squares = 0, largest = 0;
   const auto& comm = *lambda.getMap()->getComm();
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, mine.squares, Teuchos::outArg(squares));
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.largest, Teuchos::outArg(largest));
-  return {std::sqrt(squares), largest};
+  return {std::sqrt(sumOfAll(comm, mine.squares)), largestOfAll(comm, mine.largest)};
 }
 
 double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u) {
   const auto x = u.getData(0);
-  double mine = 0, all = 0;
+  double mine = 0;
   for (int i = 0; i < systems.size(); ++i) {
     const auto& magnitude = systems.magnitude(i);
     const double* ui = x.getRawPtr() + offsets[std::size_t(i)];
@@ -131,8 +123,7 @@ double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>
       mine += sum * sum;
     }
   }
-  Teuchos::reduceAll(*u.getMap()->getComm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(all));
-  return std::numeric_limits<double>::epsilon() * std::sqrt(all);
+  return std::numeric_limits<double>::epsilon() * std::sqrt(sumOfAll(*u.getMap()->getComm(), mine));
 }
 
 Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda) {

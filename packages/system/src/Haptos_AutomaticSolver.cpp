@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_AutomaticSolver.hpp"
 
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
 
 namespace Haptos {

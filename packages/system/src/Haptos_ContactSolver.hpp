@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "Haptos_Accuracy.hpp"
-#include "Haptos_FetiSystem.hpp"
 #include "Haptos_Outcome.hpp"
 #include "Haptos_SolverReport.hpp"
 
 namespace Haptos {
+
+class FetiSystem;
 
 /// \brief Multipliers and jumps, from which the displacements follow (recoverPrimal).
 struct DualSolution {

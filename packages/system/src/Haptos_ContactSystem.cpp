@@ -11,6 +11,7 @@
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_OptionTable.hpp"
 #include "Haptos_SystemInput.hpp"
 

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CoulombFixedPoint.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cmath>
+
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 
@@ -54,12 +55,12 @@ std::vector<std::array<double, 2>> CoulombFixedPoint::semiAxes() const {
 double CoulombFixedPoint::update(MultiVector& lambda) {
   const auto before = std::move(g_);
   g_ = slipBounds(lambda);
-  double mine[2] = {0, 0}, sum[2];
+  std::array<double, 2> mine{0, 0};
   for (std::size_t k = 0; k < g_.size(); ++k) {
     mine[0] += (g_[k] - before[k]) * (g_[k] - before[k]);
     mine[1] += g_[k] * g_[k];
   }
-  Teuchos::reduceAll(*map_->getComm(), Teuchos::REDUCE_SUM, 2, mine, sum);
+  const auto sum = sumOfAll(*map_->getComm(), mine);
   set_->setSemiAxes(semiAxes(), &lambda);
   return sum[1] > 0 ? std::sqrt(sum[0] / sum[1]) : (sum[0] > 0 ? 1.0 : 0.0);
 }

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Diagnosis.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_PairLaws.hpp"
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "Haptos_ContactSolver.hpp"
+#include "Haptos_SystemModel.hpp"
 
 namespace Haptos {
 

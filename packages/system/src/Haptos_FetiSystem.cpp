@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_FetiSystem.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -9,9 +8,12 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
+#include "Haptos_LocalSystems.hpp"
 #include "Haptos_PairLaws.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_SoftModes.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos {
 namespace {
@@ -24,11 +26,10 @@ std::vector<int> sizesOf(const SubdomainStiffness& stiffness) {
 
 // Not by all ranks: what is dense would then depend on how they are spread over machines.  Collective.
 double ranksOfMachine(const Communicator& comm) {
-  std::vector<int> ranks(std::size_t(comm.getSize()), 0), all(ranks);
+  std::vector<int> ranks(std::size_t(comm.getSize()), 0);
   const auto machine = std::size_t(lowestRankOfNode(comm));
   ranks[machine] = 1;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, comm.getSize(), ranks.data(), all.data());
-  return all[machine];
+  return sumOfAll(comm, ranks)[machine];
 }
 
 }  // namespace
@@ -158,10 +159,7 @@ void FetiSystem::findSlender() {
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i)
     slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(model_.stiffness->coordinates(i)));
-  const int mine = std::count(slender_.begin(), slender_.end(), char(1)) > 0;
-  int any = 0;
-  Teuchos::reduceAll(*model_.comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
-  anySlender_ = any != 0;
+  anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
 RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {

@@ -12,6 +12,8 @@
 
 namespace Haptos {
 
+class SurfaceOperators;
+
 /// \brief Stiffnesses, B, G, F, projectors and the dual problem of a distributed model, built in phases.
 ///
 /// `assemble` and `setStep` check all that can be checked without a factor (inverted elements, unheld bodies, loads that
@@ -56,7 +58,6 @@ class FetiSystem {
 
  private:
   void useRows();
-  void findMotions();
   template <class Holds>
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();

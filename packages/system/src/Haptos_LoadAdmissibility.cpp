@@ -1,24 +1,18 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_LoadAdmissibility.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <cmath>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FrictionCone.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
-
-Eigen::MatrixXd sumOverRanks(const Communicator& comm, const Eigen::MatrixXd& mine) {
-  Eigen::MatrixXd sum(mine.rows(), mine.cols());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), sum.data());
-  return sum;
-}
 
 // Basis of the body motions that Dirichlet and tied rows do not feel.
 Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multipliers, const SparseRows& GZ) {
@@ -29,7 +23,7 @@ Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multi
     const Eigen::VectorXd r = GZ.row(row).transpose();
     A.noalias() += r * r.transpose();
   }
-  const SymmetricEigen eigen(sumOverRanks(comm, A));
+  const SymmetricEigen eigen(sumOfAll(comm, A));
   Eigen::Index k = 0;
   while (k < GZ.cols() && eigen.values[k] <= kFree * std::max(1.0, eigen.values.tail<1>()[0])) ++k;
   return eigen.vectors.leftCols(k);
@@ -71,7 +65,7 @@ class RigidBalance {
  public:
   RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b)
       : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)) {
-    const double trace = sumOverRanks(comm, Eigen::MatrixXd::Constant(1, 1, H_.squaredNorm()))(0, 0);
+    const double trace = sumOfAll(comm, H_.squaredNorm());
     eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
   }
 
@@ -94,7 +88,7 @@ class RigidBalance {
     Eigen::MatrixXd mine(a.size(), a.size() + 1);
     mine.leftCols(a.size()) = Eigen::MatrixXd(H_.transpose() * (D * H_));
     mine.rightCols(1) = H_.transpose() * p;
-    const Eigen::MatrixXd sum = sumOverRanks(comm_, mine);
+    const Eigen::MatrixXd sum = sumOfAll(comm_, mine);
     return {a, sum.rightCols(1) + eps_ * a - b_,
             Eigen::MatrixXd(sum.leftCols(a.size())) + eps_ * Eigen::MatrixXd::Identity(a.size(), a.size())};
   }

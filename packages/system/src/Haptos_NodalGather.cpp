@@ -13,11 +13,6 @@ namespace {
 
 using Triple = std::array<double, 3>;
 
-struct Copy {
-  Triple values;
-  int rank;
-};
-
 }  // namespace
 
 NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<std::int64_t>& nodesOfCopies, std::int64_t numMeshNodes)
@@ -32,12 +27,9 @@ std::int64_t NodalGather::firstNode() const { return nodes_.begin(comm_->getRank
 // By rank and in its order of copies: sums do not depend on who holds the nodes.
 std::vector<Triple> NodalGather::receive(const MultiVector& v) const {
   const auto data = v.getData(0);
-  std::vector<Copy> mine;
-  mine.reserve(ranks_.size());
-  for (std::size_t i = 0; i < ranks_.size(); ++i) mine.push_back({{data[3 * i], data[3 * i + 1], data[3 * i + 2]}, ranks_[i]});
-  std::vector<Triple> values;
-  for (const auto& copy : sendItems(*comm_, mine, [](const Copy& c) { return c.rank; })) values.push_back(copy.values);
-  return values;
+  std::vector<std::vector<Triple>> outgoing(std::size_t(comm_->getSize()));
+  for (std::size_t i = 0; i < ranks_.size(); ++i) outgoing[std::size_t(ranks_[i])].push_back({data[3 * i], data[3 * i + 1], data[3 * i + 2]});
+  return joined(exchangeValues(*comm_, outgoing));
 }
 
 NodalGather::Copies NodalGather::copies(const MultiVector& u) const {
@@ -73,26 +65,17 @@ std::vector<double> NodalGather::sum(const MultiVector& f) const {
 }
 
 std::vector<double> NodalGather::fetch(const std::vector<double>& field, const std::vector<std::int64_t>& wanted) const {
-  const auto owner = [&](std::int64_t node) { return nodes_.owner(node); };
-  std::vector<std::size_t> countFrom;
-  std::vector<Triple> answers;
-  for (const auto node : sendItems(*comm_, wanted, owner, &countFrom)) {
-    const double* at = &field[3 * std::size_t(node - firstNode())];
-    answers.push_back({at[0], at[1], at[2]});
-  }
-  const auto received = sendAnswers(*comm_, answers, countFrom);
-  std::vector<std::size_t> next(received.size(), 0);
   std::vector<double> values;
-  for (const auto node : wanted) {
-    const auto r = std::size_t(owner(node));
-    const Triple& x = received[r][next[r]++];
+  for (const Triple& x : RemoteValues(*comm_, nodes_, wanted).fetch([&](std::int64_t place) {
+         const double* at = &field[3 * std::size_t(place)];
+         return Triple{at[0], at[1], at[2]};
+       }))
     values.insert(values.end(), x.begin(), x.end());
-  }
   return values;
 }
 
 std::vector<double> wholeOnRoot(const Communicator& comm, const std::vector<double>& mine) {
-  return sendItems(comm, mine, [](double) { return 0; });
+  return gatheredOnRoot(comm, mine);
 }
 
 }  // namespace Haptos

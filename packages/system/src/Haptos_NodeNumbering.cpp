@@ -1,73 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_NodeNumbering.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
+#include <iterator>
 
-#include "Haptos_ByteBuffer.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
-namespace {
 
-using Ids = std::vector<std::int64_t>;
-
-std::vector<Ids> exchangeIds(const Communicator& comm, const std::vector<Ids>& outgoing) {
-  std::vector<Bytes> messages;
-  for (const auto& list : outgoing) {
-    ByteWriter writer;
-    writer.write(list);
-    messages.push_back(writer.take());
-  }
-  std::vector<Ids> received;
-  for (const auto& message : exchangeAll(comm, messages)) received.push_back(ByteReader(message).readVector<std::int64_t>());
-  return received;
-}
-
-}  // namespace
-
-// [ranks] ids for the ranks that keep them
-std::vector<Ids> NodeNumbering::collect(const Ids& ids) const {
-  std::vector<Ids> parts(std::size_t(comm_->getSize()));
-  for (auto id : ids) parts[std::size_t(rankOf(id))].push_back(id);
-  return parts;
-}
-
-NodeNumbering::NodeNumbering(RCP<const Communicator> comm, const Ids& ids) : comm_(std::move(comm)) {
-  std::int64_t mine = 0, largest = 0, end = 0;
-  for (auto id : ids) mine = std::max(mine, id);
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
-  perRank_ = largest / comm_->getSize() + 1;
-  for (const auto& list : exchangeIds(*comm_, collect(ids))) own_.insert(own_.end(), list.begin(), list.end());
+NodeNumbering::NodeNumbering(RCP<const Communicator> comm, const std::vector<std::int64_t>& ids) : comm_(std::move(comm)) {
+  const std::int64_t largest = ids.empty() ? 0 : *std::max_element(ids.begin(), ids.end());
+  ranges_ = {largestOfAll(*comm_, largest) + 1, comm_->getSize()};
+  own_ = sendItems(*comm_, ids, [&](std::int64_t id) { return ranges_.owner(id); });
   std::sort(own_.begin(), own_.end());
   own_.erase(std::unique(own_.begin(), own_.end()), own_.end());
-  mine = std::int64_t(own_.size());
-  Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(size_));
-  first_ = end - mine;
+  first_ = sumOfLower(*comm_, std::int64_t(own_.size()));
+  size_ = sumOfAll(*comm_, std::int64_t(own_.size()));
 }
 
-Ids NodeNumbering::find(const Ids& ids) const {
-  Ids known;  // others than these nobody can have
-  for (auto id : ids)
-    if (id >= 0 && id / perRank_ < comm_->getSize()) known.push_back(id);
-  auto asked = exchangeIds(*comm_, collect(known));
-  for (auto& list : asked)
-    for (auto& id : list) {
-      const auto at = std::lower_bound(own_.begin(), own_.end(), id);
-      id = at != own_.end() && *at == id ? first_ + (at - own_.begin()) : -1;
-    }
-  const auto answers = exchangeIds(*comm_, asked);
-  std::vector<std::size_t> next(answers.size(), 0);
-  Ids numbers;
-  for (auto id : ids) {
-    if (id < 0 || id / perRank_ >= comm_->getSize()) {
-      numbers.push_back(-1);
-      continue;
-    }
-    const auto rank = std::size_t(rankOf(id));
-    numbers.push_back(answers[rank][next[rank]++]);
-  }
+std::vector<std::int64_t> NodeNumbering::find(const std::vector<std::int64_t>& ids) const {
+  const auto isPossible = [&](std::int64_t id) { return id >= 0 && id < ranges_.size; };
+  std::vector<std::int64_t> possible, numbers;
+  std::copy_if(ids.begin(), ids.end(), std::back_inserter(possible), isPossible);
+  const auto found = RemoteValues(*comm_, ranges_, possible).fetch([&](std::int64_t place) {
+    const auto at = std::lower_bound(own_.begin(), own_.end(), ranges_.begin(comm_->getRank()) + place);
+    return at != own_.end() && *at == ranges_.begin(comm_->getRank()) + place ? first_ + (at - own_.begin()) : -1;
+  });
+  auto next = found.begin();
+  for (auto id : ids) numbers.push_back(isPossible(id) ? *next++ : -1);
   return numbers;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "Haptos_EvenRanges.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -21,11 +22,9 @@ class NodeNumbering {
   std::int64_t size() const { return size_; }  ///< over all ranks
 
  private:
-  int rankOf(std::int64_t id) const { return int(id / perRank_); }
-  std::vector<std::vector<std::int64_t>> collect(const std::vector<std::int64_t>& ids) const;
-
   RCP<const Communicator> comm_;
-  std::int64_t perRank_ = 1, first_ = 0, size_ = 0;
+  EvenRanges ranges_;  // of ids
+  std::int64_t first_ = 0, size_ = 0;
   std::vector<std::int64_t> own_;  // ascending
 };
 

@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_PairLaws.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 
@@ -25,19 +26,15 @@ ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<Fr
 WorstPair findWorstPair(const ContactLaw& law, const MultiplierMap& multipliers, const Vector& lambda, const Vector& s,
                         const KktScales& scales) {
   const auto errors = errorsOfPairs(law, lambda, s, scales.uRef, contactForceScale(law, lambda, scales.load));
-  WorstPair mine, result;
+  WorstPair mine;
   for (std::size_t i = 0; i < errors.size(); ++i)
     if (errors[i] > mine.error)
       mine = {errors[i], multipliers.pairs()[i].geometry.secondaryNode, multipliers.pairs()[i].interface};
   const auto& comm = *lambda.getMap()->getComm();
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, mine.error, Teuchos::outArg(result.error));
-  const long long candidate = mine.error == result.error ? (long long)(mine.node) : -1;
-  long long node = -1;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidate, Teuchos::outArg(node));
-  result.node = node;
-  const int candidateInterface = candidate == node && node >= 0 ? mine.interface : -1;
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, candidateInterface, Teuchos::outArg(result.interface));
-  return result;
+  const double error = largestOfAll(comm, mine.error);
+  const auto node = largestOfAll(comm, mine.error == error ? mine.node : -1);
+  const bool isMine = mine.error == error && mine.node == node;
+  return {error, node, largestOfAll(comm, isMine ? mine.interface : -1)};
 }
 
 }  // namespace Haptos

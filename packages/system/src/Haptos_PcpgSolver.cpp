@@ -6,6 +6,8 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_FetiSystem.hpp"
+
 namespace Haptos {
 namespace {
 

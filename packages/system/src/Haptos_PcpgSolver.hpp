@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include "Haptos_ContactSolver.hpp"
+#include "Haptos_DeflatedPreconditioner.hpp"
 
 namespace Haptos {
 

@@ -2,12 +2,13 @@
 #include "Haptos_SmalseContactSolver.hpp"
 
 #include <BelosTpetraAdapter.hpp>
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
 #include "Haptos_CoulombFixedPoint.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_SmalseSolMgr.hpp"
 
 namespace Haptos {
@@ -57,15 +58,13 @@ RCP<MultiVector> gapMultiplier(const FetiSystem& system) {
 }  // namespace
 
 std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale) {
-  long mine[3] = {0, 0, 0};
-  std::array<long, 3> all;
+  std::array<long, 3> mine{0, 0, 0};
   const auto data = lambda.getData(0);
   for (const auto& pair : law.pairs()) {
     const auto status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), 1e-9 * forceScale);
     ++mine[status == ContactStatus::Stick ? 0 : status == ContactStatus::Slip ? 1 : 2];
   }
-  Teuchos::reduceAll(*lambda.getMap()->getComm(), Teuchos::REDUCE_SUM, 3, mine, all.data());
-  return all;
+  return sumOfAll(*lambda.getMap()->getComm(), mine);
 }
 
 struct SmalseContactSolver::Impl {

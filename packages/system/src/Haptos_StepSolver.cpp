@@ -7,6 +7,8 @@
 
 #include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_Diagnosis.hpp"
+#include "Haptos_FetiSystem.hpp"
+#include "Haptos_LocalSystems.hpp"
 #include "Haptos_PcpgSolver.hpp"
 
 namespace Haptos {

@@ -8,6 +8,7 @@
 
 #include "Haptos_ContactSolver.hpp"
 #include "Haptos_RunClock.hpp"
+#include "Haptos_SystemModel.hpp"
 
 namespace Haptos {
 

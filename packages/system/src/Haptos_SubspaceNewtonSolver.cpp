@@ -1,13 +1,14 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceNewtonSolver.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <optional>
 
 #include "Haptos_ContactBlock.hpp"
+#include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
 
@@ -140,9 +141,7 @@ DeflationReport SubspaceNewtonSolver::deflation() const {
 
 SubspaceReport SubspaceNewtonSolver::subspace() const {
   const auto s = impl_->manager.subspace();
-  SubspaceReport report{s.largestSize, s.compressions, 0};
-  Teuchos::reduceAll(*impl_->context.system.model().comm, Teuchos::REDUCE_MAX, s.memoryMb, Teuchos::outArg(report.memoryMb));
-  return report;
+  return {s.largestSize, s.compressions, largestOfAll(*impl_->context.system.model().comm, s.memoryMb)};
 }
 
 }  // namespace Haptos
