@@ -97,57 +97,6 @@ std::string NumberRange::text() const {
 
 std::string ParameterCondition::text() const { return parameter + " is " + joinNames(values, " or "); }
 
-ParameterSpec& ParameterSpec::defaultTo(ParameterValue value) {
-  defaultValue = std::move(value);
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::mustBeGiven() {
-  required = true;
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::measuredIn(std::string unitText) {
-  unit = std::move(unitText);
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::within(NumberRange numbers) {
-  range = numbers;
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::oneOf(std::vector<std::string> words) {
-  choices = std::move(words);
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::entries(std::size_t least, std::size_t most) {
-  minEntries = least;
-  maxEntries = most;
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::notEmpty() {
-  mayBeEmpty = false;
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::isFileName() {
-  fileName = true;
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::onlyWhen(std::string parameter, std::vector<std::string> values) {
-  validWhen = ParameterCondition{std::move(parameter), std::move(values)};
-  return *this;
-}
-
-ParameterSpec& ParameterSpec::neededWhen(std::string parameter, std::vector<std::string> values) {
-  requiredWhen = ParameterCondition{std::move(parameter), std::move(values)};
-  return *this;
-}
-
 std::string ParameterSpec::typeText() const {
   std::vector<std::string> names;
   for (const auto type : types) names.push_back(typeName(type));

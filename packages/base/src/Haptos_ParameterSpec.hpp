@@ -45,16 +45,20 @@ class ParameterSpec {
   ParameterSpec(std::string name, std::vector<ParameterType> types, std::string meaning)
       : name(std::move(name)), meaning(std::move(meaning)), types(std::move(types)) {}
 
-  ParameterSpec& defaultTo(ParameterValue value);
-  ParameterSpec& mustBeGiven();
-  ParameterSpec& measuredIn(std::string unitText);
-  ParameterSpec& within(NumberRange numbers);                   ///< every entry, for an array
-  ParameterSpec& oneOf(std::vector<std::string> words);         ///< strings only
-  ParameterSpec& entries(std::size_t least, std::size_t most);  ///< length of an array
-  ParameterSpec& notEmpty();                                    ///< strings, and the strings of an array
-  ParameterSpec& isFileName();                                  ///< relative to the folder of the XML file
-  ParameterSpec& onlyWhen(std::string parameter, std::vector<std::string> values);
-  ParameterSpec& neededWhen(std::string parameter, std::vector<std::string> values);
+  ParameterSpec& defaultTo(ParameterValue value) { return set(defaultValue, std::move(value)); }
+  ParameterSpec& mustBeGiven() { return set(required, true); }
+  ParameterSpec& measuredIn(std::string unitText) { return set(unit, std::move(unitText)); }
+  ParameterSpec& within(NumberRange numbers) { return set(range, numbers); }                              ///< every entry, for an array
+  ParameterSpec& oneOf(std::vector<std::string> words) { return set(choices, std::move(words)); }         ///< strings only
+  ParameterSpec& entries(std::size_t least, std::size_t most) { return set(minEntries, least).set(maxEntries, most); }  ///< of an array
+  ParameterSpec& notEmpty() { return set(mayBeEmpty, false); }                                            ///< strings, and those of an array
+  ParameterSpec& isFileName() { return set(fileName, true); }                                             ///< relative to the XML file's folder
+  ParameterSpec& onlyWhen(std::string parameter, std::vector<std::string> values) {
+    return set(validWhen, ParameterCondition{std::move(parameter), std::move(values)});
+  }
+  ParameterSpec& neededWhen(std::string parameter, std::vector<std::string> values) {
+    return set(requiredWhen, ParameterCondition{std::move(parameter), std::move(values)});
+  }
 
   std::string typeText() const;     ///< "double or Array(double)"
   std::string defaultText() const;  ///< the default, "required", "required where ..." or "none"
@@ -69,6 +73,13 @@ class ParameterSpec {
   std::vector<std::string> choices;
   std::size_t minEntries = 0, maxEntries = std::numeric_limits<std::size_t>::max();
   std::optional<ParameterCondition> validWhen, requiredWhen;
+
+ private:
+  template <class Member, class Value>
+  ParameterSpec& set(Member& member, Value&& value) {
+    member = std::forward<Value>(value);
+    return *this;
+  }
 };
 
 /// \brief Separator of parameter paths: "Contact->interface->Friction->Law".

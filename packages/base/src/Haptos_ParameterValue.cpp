@@ -11,12 +11,6 @@ namespace Haptos {
 
 namespace {
 
-const std::vector<std::string>& typeNames() {
-  static const std::vector<std::string> names = {"int",        "double",        "bool",         "string",
-                                                 "Array(int)", "Array(double)", "Array(string)"};
-  return names;
-}
-
 /// std::from_chars does not take a leading '+'.
 std::string withoutPlus(const std::string& text) {
   const std::string t = trimmed(text);
@@ -66,6 +60,12 @@ std::optional<ParameterValue> arrayOf(const Teuchos::ParameterEntry& entry) {
 }
 
 }  // namespace
+
+const std::vector<std::string>& typeNames() {
+  static const std::vector<std::string> names = {"int",        "double",        "bool",         "string",
+                                                 "Array(int)", "Array(double)", "Array(string)"};
+  return names;
+}
 
 ParameterType typeOf(const ParameterValue& value) { return ParameterType(value.index()); }
 

@@ -21,6 +21,7 @@ using ParameterValue = std::variant<int, double, bool, std::string, std::vector<
 ParameterType typeOf(const ParameterValue& value);
 
 /// \brief Name in the XML: "int", "double", "bool", "string", "Array(int)", ...
+const std::vector<std::string>& typeNames();  ///< [ParameterType]
 std::string typeName(ParameterType type);
 std::optional<ParameterType> typeFromName(const std::string& name);
 bool isArray(ParameterType type);

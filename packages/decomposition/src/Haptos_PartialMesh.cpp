@@ -4,8 +4,9 @@
 #include <Teuchos_DefaultSerialComm.hpp>
 #include <algorithm>
 #include <numeric>
+#include <tuple>
+#include <utility>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
@@ -75,36 +76,42 @@ std::vector<std::vector<SentSide>> sidesByRank(const PartialMesh& from, const st
   return result;
 }
 
-// Block by block: elements, their numbers, tags and nodes; then the nodes themselves.
-Bytes packElements(const PartialMesh& from, const std::vector<int>& chosen, const std::vector<int>& tags) {
-  ByteWriter writer;
+// Elements on their way, block by block, and their nodes.
+struct Parcel {
+  struct Block {
+    std::vector<Index> elements, numbers, connectivity;
+    std::vector<int> tags;
+
+    auto parts() { return std::tie(elements, numbers, connectivity, tags); }
+  };
+  std::vector<Block> blocks;
+  std::vector<NodeData> nodes;
+
+  auto parts() { return std::tie(blocks, nodes); }
+};
+
+Parcel packElements(const PartialMesh& from, const std::vector<int>& chosen, const std::vector<int>& tags) {
+  Parcel parcel;
   std::vector<Index> used;
   std::size_t at = 0;
   Index first = 0;
   for (const auto& block : from.mesh.blocks) {
     const Index n = nodesPerElement(block.topology), end = first + Index(block.numElements());
-    std::vector<Index> elements, numbers, connectivity;
-    std::vector<int> tagsHere;
+    Parcel::Block& to = parcel.blocks.emplace_back();
     for (; at < chosen.size() && chosen[at] < end; ++at) {
       const auto e = std::size_t(chosen[at]);
-      elements.push_back(from.elements[e]);
-      numbers.push_back(from.mesh.elementNumbers[e]);
-      tagsHere.push_back(tags[e]);
+      to.elements.push_back(from.elements[e]);
+      to.numbers.push_back(from.mesh.elementNumbers[e]);
+      to.tags.push_back(tags[e]);
       const Index* nodes = block.connectivity.data() + (Index(e) - first) * n;
-      for (Index i = 0; i < n; ++i) connectivity.push_back(from.nodes[std::size_t(nodes[i])]);
+      for (Index i = 0; i < n; ++i) to.connectivity.push_back(from.nodes[std::size_t(nodes[i])]);
       used.insert(used.end(), nodes, nodes + n);
     }
-    writer.write(elements);
-    writer.write(numbers);
-    writer.write(tagsHere);
-    writer.write(connectivity);
     first = end;
   }
-  std::vector<NodeData> nodes;
   for (Index i : eachOnce(std::move(used)))
-    nodes.push_back({from.nodes[std::size_t(i)], from.mesh.coordinates[std::size_t(i)], from.mesh.nodeNumbers[std::size_t(i)]});
-  writer.write(nodes);
-  return writer.take();
+    parcel.nodes.push_back({from.nodes[std::size_t(i)], from.mesh.coordinates[std::size_t(i)], from.mesh.nodeNumbers[std::size_t(i)]});
+  return parcel;
 }
 
 template <class T>
@@ -124,32 +131,21 @@ void setNodes(std::vector<NodeData> nodes, PartialMesh& part) {
     for (Index& node : block.connectivity) node = positionOf(part.nodes, node);
 }
 
-SentElements unpackElements(const Mesh& names, std::vector<Bytes>& messages) {
+// What came from all ranks, block by block; parcels are let go on the way.
+SentElements joinParcels(const Mesh& names, std::vector<Parcel>& parcels) {
   SentElements result;
   PartialMesh& part = result.part;
   part.mesh = emptyLike(names);
-  struct OfBlock {
-    std::vector<Index> elements, numbers;
-    std::vector<int> tags;
-  };
-  std::vector<OfBlock> blocks(names.blocks.size());
-  std::vector<NodeData> nodes;
-  for (auto& message : messages) {
-    ByteReader reader(message);
-    for (std::size_t b = 0; b < blocks.size(); ++b) {
-      append(blocks[b].elements, reader.readVector<Index>());
-      append(blocks[b].numbers, reader.readVector<Index>());
-      append(blocks[b].tags, reader.readVector<int>());
-      append(part.mesh.blocks[b].connectivity, reader.readVector<Index>());
+  for (std::size_t b = 0; b < names.blocks.size(); ++b)
+    for (auto& parcel : parcels) {
+      const auto block = std::exchange(parcel.blocks[b], {});
+      append(part.elements, block.elements);
+      append(part.mesh.elementNumbers, block.numbers);
+      append(part.mesh.blocks[b].connectivity, block.connectivity);
+      append(result.tags, block.tags);
     }
-    append(nodes, reader.readVector<NodeData>());
-    message = {};
-  }
-  for (const auto& block : blocks) {
-    append(part.elements, block.elements);
-    append(part.mesh.elementNumbers, block.numbers);
-    append(result.tags, block.tags);
-  }
+  std::vector<NodeData> nodes;
+  for (auto& parcel : parcels) append(nodes, std::exchange(parcel.nodes, {}));
   setNodes(std::move(nodes), part);
   return result;
 }
@@ -190,10 +186,10 @@ OwnElements completeElements(const Communicator& comm, const MeshShare& share) {
 }
 
 SentElements sendElements(const Communicator& comm, const PartialMesh& from, const std::vector<int>& rankOf, const std::vector<int>& tags) {
-  std::vector<Bytes> messages;
-  for (const auto& chosen : elementsByRank(rankOf, comm.getSize())) messages.push_back(packElements(from, chosen, tags));
-  messages = exchangeAll(comm, messages);
-  SentElements result = unpackElements(from.mesh, messages);
+  std::vector<Parcel> parcels;
+  for (const auto& chosen : elementsByRank(rankOf, comm.getSize())) parcels.push_back(packElements(from, chosen, tags));
+  parcels = exchangeEach(comm, std::move(parcels));
+  SentElements result = joinParcels(from.mesh, parcels);
   for (const auto& side : joined(exchangeValues(comm, sidesByRank(from, rankOf, comm.getSize()))))
     result.part.mesh.sideSets[std::size_t(side.set)].sides.push_back({positionOf(result.part.elements, side.element), side.side});
   return result;

@@ -7,15 +7,9 @@ namespace Haptos {
 
 // The sections of the input, each a branch of the one tree (private to input: use parameterTree()).
 ParameterTree meshSection();
-ParameterTree decompositionSection();
 ParameterTree materialsSection();
 ParameterTree boundaryConditionsSection();
 ParameterTree contactSection();
-ParameterTree localSolverSection();
-ParameterTree preconditionerSection();
-ParameterTree coarseProblemSection();
-ParameterTree solverSection();
-ParameterTree outputSection();
 
 // What a checked list of these sections says (private to input: use runOptions()).
 MeshOptions meshOptions(const Teuchos::ParameterList& list);

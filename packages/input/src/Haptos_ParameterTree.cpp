@@ -5,48 +5,6 @@
 
 namespace Haptos {
 
-ParameterTree& ParameterTree::add(ParameterSpec spec) {
-  parameters.push_back(std::move(spec));
-  return *this;
-}
-
-ParameterTree& ParameterTree::add(ParameterTree sublist) {
-  sublists.push_back(std::move(sublist));
-  return *this;
-}
-
-ParameterTree& ParameterTree::addUserNamed(ParameterTree child, std::size_t atLeast) {
-  userNamed.assign(1, std::move(child));
-  minUserNamed = atLeast;
-  return *this;
-}
-
-ParameterTree& ParameterTree::exactlyOneOf(std::vector<std::string> names) {
-  alternatives.push_back(std::move(names));
-  return *this;
-}
-
-ParameterTree& ParameterTree::alias(std::string oldName, std::string newName) {
-  aliases.push_back({std::move(oldName), std::move(newName)});
-  return *this;
-}
-
-ParameterTree& ParameterTree::rule(std::string text,
-                                   std::function<std::string(const Teuchos::ParameterList&)> broken) {
-  rules.push_back({std::move(text), std::move(broken)});
-  return *this;
-}
-
-ParameterTree& ParameterTree::normalise(Normaliser change) {
-  normalisers.push_back(std::move(change));
-  return *this;
-}
-
-ParameterTree& ParameterTree::prepare(Normaliser change) {
-  preparers.push_back(std::move(change));
-  return *this;
-}
-
 const ParameterSpec* ParameterTree::findParameter(const std::string& parameter) const {
   for (const auto& spec : parameters)
     if (spec.name == parameter) return &spec;

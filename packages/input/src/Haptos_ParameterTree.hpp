@@ -25,8 +25,8 @@ class ParameterTree {
 
   ParameterTree(std::string name, std::string meaning) : name(std::move(name)), meaning(std::move(meaning)) {}
 
-  ParameterTree& add(ParameterSpec spec);
-  ParameterTree& add(ParameterTree sublist);
+  ParameterTree& add(ParameterSpec spec) { return append(parameters, std::move(spec)); }
+  ParameterTree& add(ParameterTree sublist) { return append(sublists, std::move(sublist)); }
   /// All parameters that fill `Options`.
   template <class Options>
   ParameterTree& addOptions() {
@@ -34,17 +34,22 @@ class ParameterTree {
     return *this;
   }
   /// Sublists with any name; `child.name` is a placeholder as "<material>".
-  ParameterTree& addUserNamed(ParameterTree child, std::size_t atLeast);
+  ParameterTree& addUserNamed(ParameterTree child, std::size_t atLeast) {
+    minUserNamed = atLeast;
+    return append(userNamed, std::move(child));
+  }
   /// Exactly one of these parameters or sublists is given; sublists among them are not created by default.
-  ParameterTree& exactlyOneOf(std::vector<std::string> names);
+  ParameterTree& exactlyOneOf(std::vector<std::string> names) { return append(alternatives, std::move(names)); }
   /// `oldName` is still read, with a warning, as `newName` (both parameters or both sublists).
-  ParameterTree& alias(std::string oldName, std::string newName);
-  ParameterTree& rule(std::string text, std::function<std::string(const Teuchos::ParameterList&)> broken);
+  ParameterTree& alias(std::string oldName, std::string newName) { return append(aliases, {std::move(oldName), std::move(newName)}); }
+  ParameterTree& rule(std::string text, std::function<std::string(const Teuchos::ParameterList&)> broken) {
+    return append(rules, {std::move(text), std::move(broken)});
+  }
   /// Called on the list with all defaults filled in: brings equivalent spellings to one form.
-  ParameterTree& normalise(Normaliser change);
+  ParameterTree& normalise(Normaliser change) { return append(normalisers, std::move(change)); }
   /// Called on the checked list before defaults are filled in (its sublists exist): defaults that depend on
   /// others.
-  ParameterTree& prepare(Normaliser change);
+  ParameterTree& prepare(Normaliser change) { return append(preparers, std::move(change)); }
 
   const ParameterSpec* findParameter(const std::string& parameter) const;
   /// The sublist of that name, or what a sublist named by the user may hold; null if none is allowed.
@@ -63,6 +68,13 @@ class ParameterTree {
   std::vector<ParameterAlias> aliases;
   std::vector<Rule> rules;
   std::vector<Normaliser> preparers, normalisers;
+
+ private:
+  template <class T>
+  ParameterTree& append(std::vector<T>& list, typename std::vector<T>::value_type item) {
+    list.push_back(std::move(item));
+    return *this;
+  }
 };
 
 /// \brief The names of a path, trimmed.

@@ -81,8 +81,7 @@ void readParameter(const XMLObject& entry, ParameterList& list, const std::strin
   const std::string typeText = entry.getAttribute("type"), valueText = entry.getAttribute("value");
   const auto type = typeFromName(typeText);
   if (!type) {
-    const std::vector<std::string> types = {"int",        "double",        "bool",         "string",
-                                            "Array(int)", "Array(double)", "Array(string)"};
+    const auto& types = typeNames();
     throw InputError(path + ": type '" + typeText + "' is not valid; did you mean '" +
                      nearestName(typeText, types) + "'? Valid: " + joinNames(types));
   }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Parameters.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_ParameterList.hpp>
 #include <filesystem>
 #include <iostream>
@@ -12,6 +11,7 @@
 #include "Haptos_ParameterSections.hpp"
 #include "Haptos_ParameterValidation.hpp"
 #include "Haptos_ParameterXml.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 
@@ -48,20 +48,26 @@ void chooseBricks(ParameterList& list) {
 }
 
 ParameterTree makeTree() {
+  ParameterTree smalse("SMALSE",
+                       "Constants of the augmented Lagrangian method (SMALSE-M with MPGP); the defaults suit almost every problem. The "
+                       "method as published has Expansion Fixed Step, Inner Reduction 0 and M Floor 0.");
   ParameterTree tree("Haptos",
                      "Every valid parameter of the input, a Teuchos parameter list named \"Haptos\".");
   tree.add(ParameterSpec("Title", {ParameterType::String}, "Any text; it is the title of the result file (as far as 80 characters go) and of the summary")
                .defaultTo(std::string()))
       .add(meshSection())
-      .add(decompositionSection())
+      .add(ParameterTree("Decomposition", "How the bodies are cut into subdomains; no subdomain spans two bodies.")
+               .addOptions<DecompositionOptions>())
       .add(materialsSection())
       .add(boundaryConditionsSection())
       .add(contactSection())
-      .add(localSolverSection())
-      .add(preconditionerSection())
-      .add(coarseProblemSection())
-      .add(solverSection())
-      .add(outputSection())
+      .add(ParameterTree("Local Solver", "Factorisation of the stiffness matrix of every subdomain.").addOptions<LocalSolverOptions>())
+      .add(ParameterTree("Preconditioner", "Preconditioner of the dual problem.").addOptions<PreconditionerOptions>())
+      .add(ParameterTree("Coarse Problem",
+                         "Where the factors of the coarse matrices live (6 unknowns a subdomain); the answer does not depend on it.")
+               .addOptions<CoarseOptions>())
+      .add(ParameterTree("Solver", "The iteration for the contact and gluing forces.").addOptions<SolverOptions>().add(smalse.addOptions<SmalseOptions>()))
+      .add(ParameterTree("Output", "Files that are written; an empty name writes none.").addOptions<OutputOptions>())
       .rule("`Decomposition->Method` Bricks needs a generated mesh, and fixes the number of subdomains.",
             bricksDoNotFit)
       .prepare(chooseBricks);
@@ -79,11 +85,7 @@ std::string readAndCheck(const Communicator& comm, const std::string& fileName, 
       requireOtherFile(std::string("Output->") + name, output.get<std::string>(name), "the input", fileName);
     for (const auto& warning : warnings) std::cerr << "haptos: warning: " << warning << std::endl;
   });
-  int size = int(text.size());
-  Teuchos::broadcast(comm, 0, 1, &size);
-  text.resize(std::size_t(size));
-  Teuchos::broadcast(comm, 0, size, text.data());
-  return text;
+  return broadcasted(comm, text);
 }
 
 }  // namespace

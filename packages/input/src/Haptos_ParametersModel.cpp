@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Mesh, Decomposition and Materials.
+// Mesh and Materials.
 #include <Teuchos_Array.hpp>
 #include <Teuchos_ParameterList.hpp>
 
@@ -42,11 +42,6 @@ MeshOptions meshOptions(const ParameterList& list) {
   const auto& beams = list.sublist("Two Beams");
   mesh.twoBeams = TwoBeamsOptions{beams.get<int>("Subdomains Per Edge"), beams.get<int>("Elements Per Subdomain Edge")};
   return mesh;
-}
-
-ParameterTree decompositionSection() {
-  return ParameterTree("Decomposition", "How the bodies are cut into subdomains; no subdomain spans two bodies.")
-      .addOptions<DecompositionOptions>();
 }
 
 ParameterTree materialsSection() {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_SparseBlocks.hpp"
 
 namespace Haptos {
 namespace {
@@ -14,38 +15,6 @@ using Eigen::MatrixXd;
 using SparseMatrix = Eigen::SparseMatrix<double>;
 using Storage = DenseSymmetric::Storage;
 using Precision = DenseSymmetric::Precision;
-
-MatrixXd rowsOf(const Eigen::Ref<const MatrixXd>& A, const std::vector<int>& rows) {
-  MatrixXd part(Index(rows.size()), A.cols());
-  for (std::size_t i = 0; i < rows.size(); ++i) part.row(Index(i)) = A.row(rows[i]);
-  return part;
-}
-
-// The unknowns that are not listed, ascending, as the listed are.
-std::vector<int> complement(Index n, const std::vector<int>& listed) {
-  std::vector<int> rest;
-  std::size_t next = 0;
-  for (int i = 0; i < n; ++i)
-    if (next < listed.size() && listed[next] == i) ++next;
-    else rest.push_back(i);
-  TEUCHOS_ASSERT(next == listed.size());  // ascending, in range
-  return rest;
-}
-
-// K(rows, columns)
-SparseMatrix blockOf(const SparseMatrix& K, const std::vector<int>& rows, const std::vector<int>& columns) {
-  std::vector<int> newRow(std::size_t(K.rows()), -1);
-  for (std::size_t i = 0; i < rows.size(); ++i) newRow[std::size_t(rows[i])] = int(i);
-  SparseMatrix block(Index(rows.size()), Index(columns.size()));
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    block.startVec(Index(j));
-    for (SparseMatrix::InnerIterator it(K, columns[j]); it; ++it)
-      if (newRow[std::size_t(it.row())] >= 0) block.insertBack(newRow[std::size_t(it.row())], Index(j)) = it.value();
-  }
-  block.finalize();
-  block.data().squeeze();
-  return block;
-}
 
 // From three members on products of matrices pay, which want both triangles.
 Storage storageFor(std::size_t members) { return members > 2 ? Storage::Full : Storage::Packed; }

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_SparseBlocks.hpp"
 
 namespace Haptos {
 
@@ -71,13 +72,6 @@ void sampleFarthest(const std::vector<int>& piece, const std::vector<std::array<
   }
 }
 
-/// R_f
-Eigen::MatrixXd kernelRows(const Eigen::MatrixXd& kernel, const std::vector<int>& unknowns) {
-  Eigen::MatrixXd rows(unknowns.size(), kernel.cols());
-  for (std::size_t i = 0; i < unknowns.size(); ++i) rows.row(i) = kernel.row(unknowns[i]);
-  return rows;
-}
-
 std::vector<int> unknownsOf(const std::vector<int>& nodes) {
   std::vector<int> unknowns;
   for (const int node : nodes) unknowns.insert(unknowns.end(), {3 * node, 3 * node + 1, 3 * node + 2});
@@ -91,7 +85,7 @@ void holdWholeKernel(const Eigen::MatrixXd& kernel, std::vector<int>& chosen) {
   const double all = double(kernel.rows()) / 3.0;
   const auto most = std::min<std::size_t>(chosen.size() + 2 * kernel.cols(), std::size_t(all));
   while (chosen.size() < most) {
-    const RightSvd svd(kernelRows(kernel, unknownsOf(chosen)));
+    const RightSvd svd(rowsOf(kernel, unknownsOf(chosen)));
     const bool full = svd.values.size() == kernel.cols();
     const double weakest = full ? svd.values[kernel.cols() - 1] : 0.0;
     if (weakest >= fairPart * std::sqrt(double(chosen.size()) / all)) break;
@@ -125,7 +119,7 @@ std::vector<int> chooseFixingUnknowns(const Eigen::MatrixXd& kernel, int rounds)
   std::iota(rest.begin(), rest.end(), 0);
   for (int round = 0; round < rounds && kernel.cols() > 0 && !rest.empty(); ++round) {
     std::vector<int> picked;
-    for (int column : PivotedQr(kernelRows(kernel, rest).transpose()).columns) picked.push_back(rest[column]);
+    for (int column : PivotedQr(rowsOf(kernel, rest).transpose()).columns) picked.push_back(rest[column]);
     chosen.insert(chosen.end(), picked.begin(), picked.end());
     std::sort(picked.begin(), picked.end());
     std::vector<int> left;
@@ -146,7 +140,7 @@ Eigen::SparseMatrix<double> regularizeByFixing(const Eigen::SparseMatrix<double>
   Eigen::VectorXd rootW(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) rootW[i] = std::sqrt(diagonal[order[i]]);
 
-  const PivotedQr qr(rootW.asDiagonal() * kernelRows(kernel, order));
+  const PivotedQr qr(rootW.asDiagonal() * rowsOf(kernel, order));
   TEUCHOS_TEST_FOR_EXCEPTION(Eigen::Index(qr.columns.size()) < kernel.cols(), std::runtime_error,
                              "regularizeByFixing: the kernel of a subdomain has " << kernel.cols()
                                  << " columns, but only " << qr.columns.size() << " are independent on its "

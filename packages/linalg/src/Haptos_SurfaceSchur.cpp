@@ -8,49 +8,13 @@
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FixingNodes.hpp"
+#include "Haptos_SparseBlocks.hpp"
 
 namespace Haptos {
 
 namespace {
 
 constexpr Eigen::Index blockWidth = 64;  // columns at a time: products of matrices, and a workspace with a bound
-
-/// The unknowns not in `listed`, ascending.
-std::vector<int> complement(Eigen::Index n, const std::vector<int>& listed) {
-  std::vector<bool> isListed(n, false);
-  for (const int i : listed) {
-    TEUCHOS_ASSERT(i >= 0 && i < n && !isListed[i]);
-    isListed[i] = true;
-  }
-  std::vector<int> rest;
-  for (Eigen::Index i = 0; i < n; ++i)
-    if (!isListed[i]) rest.push_back(int(i));
-  return rest;
-}
-
-/// K(rows, columns)
-Eigen::SparseMatrix<double> extract(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows,
-                                    const std::vector<int>& columns) {
-  std::vector<int> newRow(std::size_t(K.rows()), -1);
-  for (std::size_t i = 0; i < rows.size(); ++i) newRow[rows[i]] = int(i);
-  Eigen::Index entries = 0;
-  for (const int column : columns)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it) entries += newRow[it.row()] >= 0;
-  Eigen::SparseMatrix<double> part(Eigen::Index(rows.size()), Eigen::Index(columns.size()));
-  part.resizeNonZeros(entries);
-  Eigen::Index at = 0;
-  for (std::size_t j = 0; j < columns.size(); ++j) {
-    for (Eigen::SparseMatrix<double>::InnerIterator it(K, columns[j]); it; ++it) {
-      if (newRow[it.row()] < 0) continue;
-      part.innerIndexPtr()[at] = newRow[it.row()];
-      part.valuePtr()[at++] = it.value();
-    }
-    part.outerIndexPtr()[j + 1] = int(at);
-  }
-  if (std::is_sorted(rows.begin(), rows.end())) return part;
-  const Eigen::SparseMatrix<double> byRows = part.transpose();  // sorts
-  return byRows.transpose();
-}
 
 /// Whether unknowns come in threes, those of a node in a row.
 bool areWholeNodes(const std::vector<int>& unknowns) {
@@ -88,9 +52,7 @@ Eigen::MatrixXd interiorKernel(const Eigen::MatrixXd& kernel, const std::vector<
   while (rank < svd.values.size() && svd.values[rank] > 1e-9 * even) ++rank;
 
   const Eigen::MatrixXd unseen = kernel * svd.V.rightCols(kernel.cols() - rank);
-  Eigen::MatrixXd Z(interior.size(), unseen.cols());
-  for (std::size_t k = 0; k < interior.size(); ++k) Z.row(k) = unseen.row(interior[k]);
-  return Z;
+  return rowsOf(unseen, interior);
 }
 
 }  // namespace
@@ -103,7 +65,7 @@ SurfaceSchur::SurfaceSchur(const Eigen::SparseMatrix<double>& K, const Eigen::Ma
   if (interior.empty()) return;
   const auto Z = interiorKernel(kernel, boundary, interior);
   interiorKernelSize_ = Z.cols();
-  auto Kii = regularizeByFixing(extract(K, interior, interior), Z, chooseFixingUnknowns(Z));
+  auto Kii = regularizeByFixing(blockOf(K, interior, interior), Z, chooseFixingUnknowns(Z));
   interior_ = std::make_unique<LocalSolverFactor>(std::move(Kii), method, precision);
   interior_->releaseMatrix();
 }
@@ -123,7 +85,7 @@ void SurfaceSchur::keep(const Eigen::SparseMatrix<double>& K, const std::vector<
   size_ = Eigen::Index(boundary.size());
   isSingle_ = precision == FactorPrecision::Single && areWholeNodes(boundary) && areWholeNodes(interior);
   if (isSingle_) keepByNodes(K, boundary, interior);
-  else double_ = {extract(K, boundary, boundary), extract(K, interior, boundary)};
+  else double_ = {blockOf(K, boundary, boundary), blockOf(K, interior, boundary)};
 }
 
 /// K_bb / scale and K_ib / scale in single precision, scale = max diag K_bb: their entries are at most about 1 in any units.
@@ -193,7 +155,7 @@ void SurfaceSchur::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen
 /// K_bb(:, c) and K_ib(:, c), in double whatever they are kept in
 SurfaceSchur::Parts SurfaceSchur::columns(const std::vector<int>& c) const {
   if (isSingle_) return {single_.Kbb.columns(c), single_.Kib.columns(c)};
-  const auto of = [&](const Eigen::SparseMatrix<double>& K) { return extract(K, complement(K.rows(), {}), c); };
+  const auto of = [&](const Eigen::SparseMatrix<double>& K) { return blockOf(K, complement(K.rows(), {}), c); };
   return {of(double_.Kbb), of(double_.Kib)};
 }
 

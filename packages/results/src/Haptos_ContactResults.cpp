@@ -1,12 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactResults.hpp"
 
-#include <Teuchos_Comm.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -42,16 +41,7 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
 
 // The pairs of all ranks, on rank 0 in the order of interfaces and pairs.  Collective.
 std::vector<PairResult> allOnRoot(const Communicator& comm, const std::vector<PairResult>& mine) {
-  ByteWriter writer;
-  for (const PairResult& pair : mine) {
-    writer.write(static_cast<const PairState&>(pair));
-    writer.write(pair.secondary);
-    writer.write(pair.primary);
-  }
-  std::vector<PairResult> all;
-  for (const auto& message : gatherOnRoot(comm, writer.take()))
-    for (ByteReader reader(message); !reader.atEnd();)
-      all.push_back({reader.read<PairState>(), reader.readVector<NodeWeight>(), reader.readVector<NodeWeight>()});
+  auto all = gatheredOnRoot(comm, mine);
   std::sort(all.begin(), all.end(), [](const PairResult& a, const PairResult& b) {
     return a.interface != b.interface ? a.interface < b.interface : a.pair < b.pair;
   });

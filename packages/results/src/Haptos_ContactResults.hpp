@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <array>
-#include <string>
+#include <tuple>
 #include <vector>
 
 #include "Haptos_ContactLaw.hpp"
@@ -31,6 +31,8 @@ struct PairState {
 /// \brief The same with the nodes that share it: weight x force acts on a secondary one, - weight x force on a primary one.
 struct PairResult : PairState {
   std::vector<NodeWeight> secondary, primary;
+
+  auto parts() { return std::tie(static_cast<PairState&>(*this), secondary, primary); }  ///< see ByteWriter
 };
 
 /// \brief The contact pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.

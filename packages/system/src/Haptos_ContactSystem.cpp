@@ -2,17 +2,17 @@
 #include "Haptos_ContactSystem.hpp"
 
 #include <Teuchos_Comm.hpp>
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <cmath>
+#include <map>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_Exchange.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_OptionTable.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SystemInput.hpp"
 
 namespace Haptos {
@@ -29,9 +29,7 @@ struct Changes {
 
   // Whether any rank changed something.  Collective.
   Changes ofAll(const Communicator& comm) const {
-    const int mine[4] = {stiffness, rows, values, laws};
-    int all[4];
-    Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, 4, mine, all);
+    const auto all = largestOfAll(comm, std::array<int, 4>{stiffness, rows, values, laws});
     return {all[0] != 0, all[1] != 0, all[2] != 0, all[3] != 0};
   }
 };
@@ -307,49 +305,35 @@ RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
 std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   const SystemInput& input = *impl_->input;
   const Communicator& comm = *impl_->comm;
-  struct Sent {
+  struct Force {
     int interface, position;
-    std::array<double, 3> force;
+    std::array<double, 3> value;
   };
-  // The rank that added a pair, by the first positions of all ranks.
-  ByteWriter firsts;
-  for (std::size_t k = 0; k < input.interfaces.size(); ++k) firsts.write(input.firstOfInterface(int(k)));
-  std::vector<std::vector<int>> first;  // [ranks][interfaces]
-  for (const auto& message : gatherOnAll(comm, firsts.take())) {
-    ByteReader reader(message);
-    first.emplace_back();
-    for (std::size_t k = 0; k < input.interfaces.size(); ++k) first.back().push_back(reader.read<int>());
-  }
-  std::vector<ByteWriter> writers(first.size());
   const auto& multipliers = *impl_->solver->system().model().multipliers;
+  const auto& laws = impl_->solver->system().law().pairs();
   const auto lambda = impl_->lambda->getData(0);
-  for (std::size_t i = 0; i < multipliers.pairs().size(); ++i) {
-    const LocalPair& pair = multipliers.pairs()[i];
-    std::size_t rank = first.size() - 1;
-    while (first[rank][std::size_t(pair.interface)] > pair.pair) --rank;
-    writers[rank].write(Sent{pair.interface, pair.pair, ContactLaw::gather(impl_->solver->system().law().pairs()[i], lambda.getRawPtr())});
-  }
-  std::vector<Bytes> messages;
-  for (auto& writer : writers) messages.push_back(writer.take());
+  std::vector<Force> mine;
+  for (std::size_t i = 0; i < laws.size(); ++i)
+    mine.push_back({multipliers.pairs()[i].interface, multipliers.pairs()[i].pair, ContactLaw::gather(laws[i], lambda.getRawPtr())});
+  // The rank that added a pair, by the first positions of all ranks.
+  const std::size_t interfaces = input.interfaces.size();
+  const auto first = gatheredOnAll(comm, input.firstOfInterface());  // [ranks][interfaces]
+  const auto rankOf = [&](const Force& force) {
+    int rank = comm.getSize() - 1;
+    while (first[std::size_t(rank) * interfaces + std::size_t(force.interface)] > force.position) --rank;
+    return rank;
+  };
   std::map<std::pair<int, int>, std::array<double, 3>> forces;
-  for (const auto& message : exchangeAll(comm, messages)) {
-    ByteReader reader(message);
-    while (!reader.atEnd()) {
-      const auto sent = reader.read<Sent>();
-      forces[{sent.interface, sent.position}] = sent.force;
-    }
-  }
+  for (const Force& force : sendItems(comm, mine, rankOf)) forces[{force.interface, force.position}] = force.value;
   std::vector<std::array<double, 3>> result;
-  std::vector<int> next = first[std::size_t(comm.getRank())];
+  std::vector<int> next = input.firstOfInterface();
   for (const auto& pair : input.pairs) result.push_back(forces[{pair.interface, next[std::size_t(pair.interface)]++}]);
   return result;
 }
 
 ContactSystem::Counters ContactSystem::counters() const {
   const long mine = impl_->solver ? impl_->solver->factorizations() : 0;
-  Counters counters{0, impl_->solver ? impl_->solver->multiplications() : 0, impl_->rows};
-  Teuchos::reduceAll(*impl_->comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(counters.factorizations));
-  return counters;
+  return {sumOfAll(*impl_->comm, mine), impl_->solver ? impl_->solver->multiplications() : 0, impl_->rows};
 }
 
 StepSolver& ContactSystem::solver() { return *impl_->solver; }

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <tuple>
 #include <vector>
 
 #include "Haptos_Options.hpp"
@@ -15,6 +16,8 @@ struct ElementMatrix {
   std::vector<std::int64_t> nodes;  ///< ids
   std::vector<double> K;
   std::vector<std::array<double, 3>> places;
+
+  auto parts() { return std::tie(body, nodes, K, places); }  ///< see ByteWriter
 };
 
 /// \brief Elements of one subdomain.

@@ -17,6 +17,8 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LocalFrame.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_RemoteRows.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_TpetraCompat.hpp"
 #include "Haptos_Vec3.hpp"
@@ -90,12 +92,7 @@ void checkPair(const PairInput& pair, int numInterfaces) {
 
 void SystemInput::checkInterfaces() const {
   ByteWriter writer;
-  for (const auto& interface : interfaces) {
-    writer.write(interface.name);
-    writer.write(interface.friction.law);
-    writer.write(interface.friction.coefficients);
-    writer.write(interface.friction.slipBound);
-  }
+  writer.write(interfaces);
   const auto all = gatherOnAll(*comm_, writer.take());
   if (!std::equal(all.begin() + 1, all.end(), all.begin()))
     throw InputError("The interfaces differ from rank to rank; every rank must add the same ones, in the same order, with the same friction.");
@@ -208,8 +205,7 @@ void SystemInput::mapNodes(const std::vector<std::int64_t>& ids) {
   std::vector<GlobalOrdinal> unknowns;
   for (auto id : unique)
     for (int d = 0; d < kComponents; ++d) unknowns.push_back(kComponents * id + d);
-  const auto invalid = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
-  overlap_ = Teuchos::rcp(new Map(invalid, Teuchos::ArrayView<const GlobalOrdinal>(unknowns.data(), unknowns.size()), 0, comm_));
+  overlap_ = mapOf(unknowns, comm_);
   map_ = Tpetra::createOneToOne<LocalOrdinal, GlobalOrdinal, Map::node_type>(overlap_);
   overlapOfCopy_.clear();
   Vector here(overlap_), sum(map_);
@@ -284,11 +280,9 @@ std::vector<PlacedPair> SystemInput::placePairs() {
     for (const auto& [node, weight] : pair.primary) ids.push_back(node);
   }
   const auto numbers = numbering_.find(ids);
-  std::vector<int> count(interfaces.size(), 0), next(count);
+  std::vector<int> count(interfaces.size(), 0);
   for (const auto& pair : pairs) ++count[std::size_t(pair.interface)];
-  if (!count.empty()) Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, int(count.size()), count.data(), next.data());
-  for (std::size_t k = 0; k < next.size(); ++k) next[k] -= count[k];
-  firstOfInterface_ = next;
+  auto next = firstOfInterface_ = sumOfLower(*comm_, count);
   std::vector<PlacedPair> placed;
   std::size_t at = 0;
   runOnAllRanks(*comm_, [&] {
@@ -324,12 +318,11 @@ RCP<const MultiplierMap> SystemInput::makeRows() {
 
 // Found by the rank that has a copy with this number.
 std::string SystemInput::nameOfNode(std::int64_t number) const {
-  long long mine = -1, id = -1;
+  std::int64_t mine = -1;
   for (std::size_t i = 0; i < nodes_.size(); ++i)
     for (std::size_t k = 0; k < nodes_[i].size(); ++k)
       if (nodes_[i][k] == number) mine = dealt_[i].ids[k];
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(id));
-  return std::to_string(id);
+  return std::to_string(largestOfAll(*comm_, mine));
 }
 
 RCP<Vector> SystemInput::spread(const Vector& f, const RCP<const Map>& primal) const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "Haptos_ContactSystem.hpp"
@@ -21,6 +22,9 @@ class SystemInput {
   struct Interface {
     std::string name;
     FrictionSpec friction;
+
+    /// see ByteWriter; without the gaps in memory between them, as they are compared
+    auto parts() { return std::tie(name, friction.law, friction.coefficients, friction.slipBound, friction.tied); }
   };
   struct Subdomain {
     int body;
@@ -47,7 +51,7 @@ class SystemInput {
   const std::vector<PrescribedDisplacement>& prescribedHere() const { return prescribedHere_; }  ///< see StepData
   const RCP<const Map>& map() const { return map_; }
   std::string nameOfNode(std::int64_t number) const;  ///< its id; Collective
-  int firstOfInterface(int interface) const { return firstOfInterface_[std::size_t(interface)]; }
+  const std::vector<int>& firstOfInterface() const { return firstOfInterface_; }  ///< [interfaces] of this rank's pairs
 
   /// \brief Loads on `map` shared by the copies of a node, on the primal map.  Collective.
   RCP<Vector> spread(const Vector& f, const RCP<const Map>& primal) const;

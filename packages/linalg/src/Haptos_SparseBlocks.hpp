@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <Eigen/SparseCore>
+#include <vector>
+
+namespace Haptos {
+
+/// \brief The unknowns 0 .. n - 1 that are not listed, ascending.
+std::vector<int> complement(Eigen::Index n, const std::vector<int>& listed);
+
+/// \brief K(rows, columns), in the order given.
+Eigen::SparseMatrix<double> blockOf(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows, const std::vector<int>& columns);
+
+/// \brief A(rows, :)
+Eigen::MatrixXd rowsOf(const Eigen::Ref<const Eigen::MatrixXd>& A, const std::vector<int>& rows);
+
+}  // namespace Haptos
