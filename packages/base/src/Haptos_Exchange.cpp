@@ -132,6 +132,7 @@ std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message) {
   return incoming;
 }
 
+// Synchronous sends: a rank waits until root asks for its next piece, which keeps what root must hold to one.
 void passToRoot(const Communicator& comm, ByteView mine, std::size_t pieceSize,
                 const std::function<void(int rank, ByteView piece)>& take, int root) {
   const int ranks = comm.getSize(), me = comm.getRank();

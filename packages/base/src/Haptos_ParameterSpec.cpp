@@ -53,6 +53,7 @@ struct ValueChecker {
   }
 };
 
+// A type that fits as it is goes before one that it can be turned into: an int stays one where both are valid.
 ParameterValue convertedValue(const ParameterSpec& spec, const std::string& path,
                               const Teuchos::ParameterEntry& entry) {
   const auto given = valueOf(entry);
@@ -65,6 +66,7 @@ ParameterValue convertedValue(const ParameterSpec& spec, const std::string& path
                    spec.typeText());
 }
 
+// A list is copied under its new name, a value keeps its type.
 void renameEntry(ParameterList& list, const std::string& oldName, const std::string& newName) {
   if (list.isSublist(oldName)) {
     const ParameterList copy = list.sublist(oldName);

@@ -23,6 +23,7 @@ Eigen::VectorXd valuesOf(const Vector& v) {
 
 }  // namespace
 
+// Sizes are counted by Tpetra; the index base is ours.
 RCP<const Map> mapOf(const std::vector<GlobalOrdinal>& indices, const RCP<const Communicator>& comm) {
   return Teuchos::rcp(new Map(Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid(),
                               Teuchos::ArrayView<const GlobalOrdinal>(indices.data(), Teuchos_Ordinal(indices.size())), 0, comm));

@@ -61,6 +61,7 @@ std::vector<Couple> piecesAtNodes(const Communicator& comm, const OwnElements& o
   return gatheredCouples(comm, couples);
 }
 
+// By the blocks that a body is made of; where a block is in several bodies, these are counted.
 std::vector<std::string> nameBodies(const Mesh& names, const std::vector<std::set<int>>& blocksOfBody) {
   std::vector<int> bodiesOfBlock(names.blocks.size(), 0), seen(names.blocks.size(), 0);
   for (const auto& blocks : blocksOfBody)
@@ -80,6 +81,7 @@ std::vector<std::string> nameBodies(const Mesh& names, const std::vector<std::se
 
 }  // namespace
 
+// Pieces hang together by sides, bodies by nodes, too: pieces that meet at a node of any rank are joined, and a body is what is left.
 Bodies findBodies(const Communicator& comm, const OwnElements& own, const DualGraph& graph) {
   Bodies bodies;
   bodies.pieces = connectedComponents(comm, own, graph, {});

@@ -23,6 +23,7 @@ std::vector<Index> neighboursOutside(const DualGraph& graph, Index first, Index 
   return outside;
 }
 
+/// Few rounds are needed: a rank takes part with its components, not with its elements, and labels jump from root to root.
 /// Components of this rank's elements alone, and how they hang together with those of others.
 class LabelSpreading {
  public:
@@ -131,6 +132,7 @@ int Halo::position(Index neighbour) const {
   return int(std::lower_bound(elements_.begin(), elements_.end(), neighbour) - elements_.begin());
 }
 
+// Labels are elements; sizes are counted where they are known in part, and added up everywhere: components are few.
 Components connectedComponents(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const std::vector<int>& colour) {
   const auto labels = LabelSpreading(comm, own, graph, colour).run();
   struct Counted {

@@ -10,6 +10,7 @@
 namespace Haptos {
 namespace {
 
+// Of everything that names nodes: a pair may name one that no subdomain has, which is told later.
 std::int64_t largestNode(const RowSources& sources) {
   std::int64_t largest = -1;
   for (const auto& sub : sources.subdomains)
@@ -37,6 +38,7 @@ void lower(NodeDirectory::Labels& label, const NodeDirectory::Labels& other) {
 
 }  // namespace
 
+// Ranges are even in node numbers, not in work, so that who keeps a node is known to all by a division.
 NodeDirectory::NodeDirectory(const Communicator& comm, const RowSources& sources)
     : comm_(comm), ranges_{largestOfAll(comm, largestNode(sources)) + 1, comm.getSize()}, first_(ranges_.begin(comm.getRank())), records_(numOwn()) {
   for (std::size_t i = 0; i < records_.size(); ++i) records_[i].node = first_ + std::int64_t(i);
@@ -51,6 +53,7 @@ NodeDirectory::NodeDirectory(const Communicator& comm, const RowSources& sources
   }
 }
 
+// A counting sort: how many copies every node has, where they begin, then each into its place.
 void NodeDirectory::takeCopies(const std::vector<SentCopy>& received) {
   for (const auto& sent : received) ++records_[std::size_t(sent.node - first_)].numCopies;
   std::size_t size = 0;
@@ -69,6 +72,7 @@ void NodeDirectory::takeCopies(const std::vector<SentCopy>& received) {
               [](const NodeCopy& a, const NodeCopy& b) { return a.subdomain < b.subdomain; });
 }
 
+// Every node is asked for once, in ascending order: records come by rank, whose ranges ascend, and can be searched by bisection.
 void NodeDirectory::fetch(const std::vector<std::int64_t>& nodes) {
   TEUCHOS_ASSERT(!remote_);
   std::vector<std::int64_t> wanted;
@@ -88,6 +92,7 @@ void NodeDirectory::fetch(const std::vector<std::int64_t>& nodes) {
   }
 }
 
+// Own nodes by their place in the range, others by bisection.
 int NodeDirectory::find(std::int64_t node) const {
   if (rankOf(node) == comm_.getRank()) return int(node - first_);
   const auto at = std::lower_bound(records_.begin() + std::ptrdiff_t(numOwn()), records_.end(), node,
@@ -96,7 +101,7 @@ int NodeDirectory::find(std::int64_t node) const {
   return int(at - records_.begin());
 }
 
-// Of a node on several ranks the owner hears all labels, and all of them the least.
+// One round: of a node on several ranks the owner hears all labels, and all of them the least.
 void NodeDirectory::exchangeLabels(std::vector<Labels>& labels) const {
   Labels* others = labels.data() + numOwn();
   remote_->give(std::vector<Labels>(others, labels.data() + labels.size()),
@@ -104,12 +109,14 @@ void NodeDirectory::exchangeLabels(std::vector<Labels>& labels) const {
   for (const Labels& label : remote_->fetch([&](std::int64_t place) { return labels[std::size_t(place)]; })) *others++ = label;
 }
 
+// First over the sets that groups of this rank make, then over the ranks, until nobody has anything new.
 void NodeDirectory::spreadMinimum(const std::vector<std::vector<int>>& groups, std::vector<Labels>& labels) const {
   DisjointSets sets(records_.size());
   for (const auto& group : groups)
     for (int record : group) sets.join(record, group.front());
   for (bool changed = true; changed;) {  // as often as a chain goes from rank to rank
     const auto before = labels;
+    // all members to the lowest one, and back from it
     for (std::size_t i = 0; i < labels.size(); ++i) lower(labels[std::size_t(sets.lowest(int(i)))], labels[i]);
     for (std::size_t i = 0; i < labels.size(); ++i) labels[i] = labels[std::size_t(sets.lowest(int(i)))];
     exchangeLabels(labels);

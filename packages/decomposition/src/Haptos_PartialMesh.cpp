@@ -119,6 +119,7 @@ void append(std::vector<T>& all, const std::vector<T>& more) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
+// Nodes come as often as ranks sent them; connectivity in indices of the mesh becomes positions among those that are here.
 void setNodes(std::vector<NodeData> nodes, PartialMesh& part) {
   std::sort(nodes.begin(), nodes.end(), [](const NodeData& a, const NodeData& b) { return a.index < b.index; });
   for (const NodeData& node : nodes) {
@@ -152,6 +153,8 @@ SentElements joinParcels(const Mesh& names, std::vector<Parcel>& parcels) {
 
 }  // namespace
 
+// A share has elements of one range and nodes of another: what elements lack is asked of the ranks that read those nodes.  How many
+// ask for a node tells whether it is shared, or in use at all.
 OwnElements completeElements(const Communicator& comm, const MeshShare& share) {
   OwnElements own;
   PartialMesh& part = own.part;
@@ -185,6 +188,7 @@ OwnElements completeElements(const Communicator& comm, const MeshShare& share) {
   return own;
 }
 
+// In order of elements on every rank, and ranks ascend with them: what comes in is in the order of the mesh.
 SentElements sendElements(const Communicator& comm, const PartialMesh& from, const std::vector<int>& rankOf, const std::vector<int>& tags) {
   std::vector<Parcel> parcels;
   for (const auto& chosen : elementsByRank(rankOf, comm.getSize())) parcels.push_back(packElements(from, chosen, tags));

@@ -86,6 +86,7 @@ Portions cutLargePieces(const Communicator& comm, const OwnElements& own, const 
   return portions;
 }
 
+// Parts are shared out to the pieces first, and to the blocks of a large piece then: what METIS cuts at once has a fixed number.
 Portions portionsOf(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
                     const PartitionOptions& options) {
   const int automatic = std::max(pieces.count(), int(std::lround(idealCount(comm, own.part.mesh))));
@@ -112,6 +113,7 @@ Portions portionsOf(const Communicator& comm, const OwnElements& own, const Dual
   return portions;
 }
 
+// Subdomains are numbered portion after portion: every portion knows its first number without asking.
 Partition metisPartition(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
                          const PartitionOptions& options) {
   const Portions portions = portionsOf(comm, own, graph, bodies.pieces, options);

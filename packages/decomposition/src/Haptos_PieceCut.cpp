@@ -33,6 +33,7 @@ std::vector<idx_t> edgeWeights(const std::vector<double>& couplings) {
   return weights;
 }
 
+// One call for the piece as a whole: contiguous parts, at most 5 % too large, and digits that follow from graph and seed alone.
 std::vector<int> runMetis(const PieceToCut& piece) {
   const DualGraph& graph = piece.graph;
   std::vector<idx_t> offsets(graph.offsets.begin(), graph.offsets.end()), neighbours(graph.neighbours.begin(), graph.neighbours.end());
@@ -109,6 +110,7 @@ struct SentRows {
   explicit SentRows(int ranks) : elements(std::size_t(ranks)), neighbours(std::size_t(ranks)), couplings(std::size_t(ranks)) {}
 };
 
+// Rows of a piece go to one rank; pieces of a single part stay where they are.
 SentRows rowsByRank(const OwnElements& own, const DualGraph& graph, const std::vector<int>& pieceOf, const std::vector<int>& rankOf,
                     int ranks) {
   const auto centroids = elementCentroids(own.part.mesh);
@@ -130,6 +132,7 @@ struct GatheredPiece {
   PieceToCut piece;
 };
 
+// By rank, and so by element: a piece comes in the order of the mesh, whoever had its elements.
 std::map<int, GatheredPiece> gatherPieces(const Communicator& comm, SentRows rows, const PiecesToCut& pieces,
                                           std::vector<std::vector<SentElement>>& received) {
   received = exchangeValues(comm, rows.elements);

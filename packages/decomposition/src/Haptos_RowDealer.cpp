@@ -108,6 +108,7 @@ void RowDealer::takePairs(const RowSources& sources) {
   for (Draft& draft : drafts_) findNodes(directory_, draft);
 }
 
+// A node that a pair names and no subdomain has would leave the pair hanging: said by its place in the mesh.
 void RowDealer::requireNodes() const {
   std::string message;
   for (const Draft& draft : drafts_) {
@@ -167,6 +168,7 @@ void RowDealer::requireTiedValues() const {
 void RowDealer::findHolders() {
   holders_.assign(directory_.records().size(), {kNone, kNone, 0});
   std::vector<std::vector<int>> meeting;
+  // least and largest rank at a node: where they differ, rows of several ranks meet
   const auto see = [&](int index, int rank, int contact) {
     Labels& label = holders_[std::size_t(index)];
     label = {std::min(label[0], rank), std::min(label[1], -rank), std::min(label[2], contact)};

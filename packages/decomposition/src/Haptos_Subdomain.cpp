@@ -63,6 +63,7 @@ void localise(const Mesh& mesh, Subdomain& sub) {
 
 }  // namespace
 
+// In mesh order first, with nodes of the whole mesh; then every subdomain numbers its own.
 std::vector<Subdomain> extractSubdomains(const Mesh& mesh, const Partition& partition,
                                          const std::vector<int>& materialOfBlock) {
   std::vector<Subdomain> subdomains(partition.count);
@@ -86,6 +87,8 @@ std::vector<std::int64_t> nodesOf(const std::vector<Subdomain>& subdomains) {
   return nodes;
 }
 
+// Elements travel with the number of their subdomain; those that come make a small mesh, which is cut as a whole one would be, and
+// its positions become mesh indices again.
 std::vector<Subdomain> dealSubdomains(const Communicator& comm, const OwnElements& own, const Partition& partition,
                                       const std::vector<int>& rankOf, const std::vector<int>& materialOfBlock) {
   std::vector<int> target;
@@ -106,6 +109,7 @@ std::vector<Subdomain> dealSubdomains(const Communicator& comm, const OwnElement
   return subdomains;
 }
 
+// The rank in whose range a node lies hears from all how many subdomains of theirs have it, and tells them the sum.
 std::vector<std::vector<int>> countCopies(const Communicator& comm, const EvenRanges& nodes, const std::vector<Subdomain>& subdomains) {
   std::map<std::int64_t, int> mine;
   for (const auto& sub : subdomains)

@@ -123,6 +123,7 @@ void ContactBlock::findUnknowns(const std::vector<char>& isNear) {
 }
 
 // Single precision wherever M itself has it: the block is read ten times an iteration.
+// S_cc of all contact nodes of the class' members.
 DenseSymmetric ContactBlock::denseBlock(int congruenceClass) const {
   constexpr std::size_t kSmall = 200;  // unknowns: a full product takes a third of the time of a packed one
   const auto& unknowns = unknowns_[std::size_t(congruenceClass)];

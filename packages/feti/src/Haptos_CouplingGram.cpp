@@ -27,6 +27,7 @@ void forEachCoefficient(const Axes& axis, const std::vector<PairNode>& nodes, Vi
       if (!node.isPrescribed[std::size_t(d)] && std::abs(axis[std::size_t(d)]) >= 1e-12) visit(node, d, axis[std::size_t(d)] * node.weight);
 }
 
+// Scaled to unit diagonal, where eigenvalues below 1e-10 are rows that depend on others: these get nothing.
 Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
   constexpr double kDependent = 1e-10;
   Eigen::VectorXd d = A.diagonal();
@@ -111,6 +112,7 @@ int CouplingGram::positionOfNode(std::int64_t node) const {
              nodes_.begin());
 }
 
+// Nodes with gluing rows that pairs act on: their gluing rows are eliminated, and q C^T y is put back to them.
 void CouplingGram::findRowsAndNodes() {
   std::vector<std::int64_t> acted;  // on by this rank's couplings
   for (const Coupling& coupling : multipliers_.couplings()) {
@@ -126,6 +128,7 @@ void CouplingGram::findRowsAndNodes() {
     if (all[i].gluing >= 0 && (all[i].holder >= 0 || std::binary_search(acted.begin(), acted.end(), all[i].node))) nodes_.push_back(int(i));
 }
 
+// Couplings that have a node in common, joined node by node; those that reach other ranks are left to their holder.
 std::vector<CouplingGram::Group> CouplingGram::findLocalGroups() const {
   const auto& couplings = multipliers_.couplings();
   DisjointSets sets(couplings.size());
@@ -189,6 +192,7 @@ std::vector<int> CouplingGram::findHolders(const std::vector<Group>& groups) con
   return holders;
 }
 
+// All couplings of a group come to one rank, which factors S of it; values go there and back in every application.
 void CouplingGram::holdFactors(const std::vector<int>& holders) {
   const auto& comm = *multipliers_.map()->getComm();
   std::vector<std::vector<Held::Item>> outgoing(std::size_t(comm.getSize()));
@@ -330,6 +334,7 @@ void CouplingGram::setHeldDiagonals() {
   nodeDiagonal_ = own.tail(nodeDiagonal_.size());
 }
 
+// y = S^-1 x: small groups by their inverses, held ones as T^T S^-1 T x, T the turn to global axes.
 Eigen::VectorXd CouplingGram::solve(const Eigen::VectorXd& x) const {
   Eigen::VectorXd y = inverse_ * x;
   if (!isAnyHeld_) return y;
@@ -338,6 +343,7 @@ Eigen::VectorXd CouplingGram::solve(const Eigen::VectorXd& x) const {
   return y;
 }
 
+// One gather for x and z: y = S^-1 (x + C z), and C^T y goes back with it.
 void CouplingGram::solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const {
   Eigen::VectorXd own(x.size() + z.size());
   own << x, z;

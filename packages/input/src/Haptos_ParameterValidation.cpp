@@ -35,6 +35,7 @@ using Teuchos::ParameterList;
                    nearestName(name, ofItsKind) + "'? Valid here: " + joinNames(valid));
 }
 
+// A name that is not known is never passed over: a misspelt parameter would leave its default in force.
 void checkUnknownNames(const ParameterTree& tree, const ParameterList& list, const std::string& listPath) {
   for (auto it = list.begin(); it != list.end(); ++it) {
     const std::string& name = list.name(it);
@@ -56,6 +57,7 @@ bool holds(const ParameterCondition& condition, const ParameterTree& tree, const
   return std::find(condition.values.begin(), condition.values.end(), word) != condition.values.end();
 }
 
+// A parameter that would be ignored is refused as one that is missing: both are misunderstandings.
 void checkPresence(const ParameterSpec& spec, const ParameterTree& tree, const ParameterList& list,
                    const std::string& path) {
   const bool given = list.isParameter(spec.name);
@@ -86,6 +88,7 @@ void checkAlternatives(const ParameterTree& tree, const ParameterList& list, con
 
 void checkList(const ParameterTree& tree, ParameterList& list, const std::string& listPath);
 
+// Names are taken first, since checking a list changes it.
 void checkSublists(const ParameterTree& tree, ParameterList& list, const std::string& listPath) {
   std::size_t numUserNamed = 0;
   std::vector<std::string> names;
@@ -123,6 +126,7 @@ void checkList(const ParameterTree& tree, ParameterList& list, const std::string
   }
 }
 
+// Preparers see what was given, normalisers what will be used.
 void fillList(const ParameterTree& tree, ParameterList& list) {
   for (const auto& sublist : tree.sublists)
     if (list.isSublist(sublist.name) || !tree.isAlternative(sublist.name)) list.sublist(sublist.name);
@@ -140,6 +144,7 @@ void fillList(const ParameterTree& tree, ParameterList& list) {
   for (const auto& normalise : tree.normalisers) normalise(list);
 }
 
+// A list first, then what is in it: sublists are looked for under their new names.
 void resolveAliasesAt(const ParameterTree& tree, ParameterList& list, const std::string& listPath,
                       std::vector<std::string>& warnings) {
   for (const auto& warning : resolveAliases(tree.aliases, list, listPath)) warnings.push_back(warning);
@@ -160,6 +165,7 @@ std::string currentName(const ParameterTree& tree, const std::string& name, cons
   return name;
 }
 
+// On the command line there is no type beside the value: the types of the parameter are tried in turn.
 ParameterValue valueFromText(const ParameterSpec& spec, const std::string& path, const std::string& text) {
   const bool looksLikeArray = trimmed(text).substr(0, 1) == "{" || splitArray(text).size() > 1;
   // Numbers before strings: every text is a string.
@@ -219,6 +225,7 @@ void setFromText(const ParameterTree& tree, ParameterList& list, const std::stri
   setValue(*target, name, valueFromText(*spec, joinPath(listPath, name), value));
 }
 
+// Names in the file are seen from its folder, those of the command line from the current one.
 void resolveFileNames(const ParameterTree& tree, ParameterList& list, const std::string& folder) {
   for (const auto& spec : tree.parameters)
     if (spec.fileName && list.isType<std::string>(spec.name))

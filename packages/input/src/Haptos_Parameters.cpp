@@ -24,6 +24,7 @@ bool isGenerated(const ParameterList& list) {
   return list.isSublist("Mesh") && list.sublist("Mesh").isSublist("Two Beams");
 }
 
+// Bricks are the subdomains that the generated mesh was made of: 2k x k x k in each of two bodies.
 std::string bricksDoNotFit(const ParameterList& list) {
   if (!list.isSublist("Decomposition")) return "";
   const auto& decomposition = list.sublist("Decomposition");

@@ -34,6 +34,7 @@ ParameterTree rigidPlane() {
   return plane;
 }
 
+// Coefficients without a law would be those of frictionless contact.
 std::string lawIsMissing(const ParameterList& list) {
   if (list.isParameter("Law") || !list.isParameter("Coefficients")) return "";
   return "Law: is missing though Coefficients are given; give Coulomb, Tresca, Frictionless or Tied";
@@ -96,6 +97,7 @@ std::string sameSurface(const ParameterList& list) {
 
 }  // namespace
 
+// Absent ones keep the defaults of the options: these are written nowhere else.
 ContactOptions contactOptions(const std::string& name, const ParameterList& list) {
   ContactOptions contact;
   contact.name = name;

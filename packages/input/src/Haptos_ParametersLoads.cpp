@@ -31,6 +31,7 @@ std::size_t numEntries(const ParameterValue& value) {
   return 1;
 }
 
+// One entry means the same for all components; three are x, y, z even where fewer components are prescribed.
 std::string wrongCount(const ParameterList& list) {
   if (!list.isParameter("Value")) return "";
   const auto value = *valueOf(list.getEntry("Value"));
@@ -51,6 +52,7 @@ std::string wrongCount(const ParameterList& list) {
   return "";
 }
 
+// Parsed here to be refused early, and once more where it is used.
 std::string wrongExpression(const ParameterList& list) {
   if (!list.isParameter("Value")) return "";
   const auto value = *valueOf(list.getEntry("Value"));
@@ -74,6 +76,7 @@ std::vector<T> overAxes(const std::vector<T>& given, const std::string& componen
   return all;
 }
 
+// After it a Pressure has one entry and a Displacement three: nobody else needs to know of the other spellings.
 void normaliseValue(ParameterList& list) {
   auto value = *valueOf(list.getEntry("Value"));
   if (list.get<std::string>("Type") == pressure) {  // {100} is 100

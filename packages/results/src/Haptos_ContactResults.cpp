@@ -24,6 +24,7 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   return result;
 }
 
+// Multipliers act against the jump: the force on the secondary node is -(lambda_N n + lambda_T1 t1 + lambda_T2 t2).
 PairResult describePair(const LocalPair& local, const PairLaw& law, const std::array<double, 3>& l,
                         const std::array<double, 3>& s, double openForce) {
   const ContactPair& geometry = local.geometry;
@@ -48,6 +49,7 @@ std::vector<PairResult> allOnRoot(const Communicator& comm, const std::vector<Pa
   return all;
 }
 
+// A tied pair has a force in global axes, which is split along the normal as that of contact is.
 void describeTied(const ContactPair& geometry, const std::array<double, 3>& force, PairResult& result) {
   result.force = force;
   result.normalForce = -Vec3::dot(force, result.normal);
@@ -72,6 +74,7 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
   return allOnRoot(*multipliers.map()->getComm(), mine);
 }
 
+// Of displacements, not of rows: frictionless pairs slip and have no tangential rows.
 void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
   std::vector<std::int64_t> nodes;
   for (const PairResult& pair : pairs)
@@ -93,6 +96,7 @@ void setSlip(const NodalGather& gather, const std::vector<double>& displacement,
   }
 }
 
+// s = B u - c, so that -s_N = d - n [u] is what is left of the gap.
 std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
                                              const Vector& s, double forceScale) {
   const auto l = lambda.getData(0), jump = s.getData(0);

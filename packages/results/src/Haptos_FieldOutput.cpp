@@ -89,6 +89,7 @@ class ContactFields {
   std::map<std::pair<int, std::size_t>, std::array<double, 2>> shares_;  // interface, node -> force and area
 };
 
+// The force of a pair on every node that shares it, weight by weight, with the opposite sign on the primary side.
 ContactFields makeContactFields(const Communicator& comm, const EvenRanges& nodes, const std::vector<PairResult>& pairs) {
   std::vector<SentContact> sent;
   for (const auto& pair : pairs) {
@@ -103,6 +104,7 @@ ContactFields makeContactFields(const Communicator& comm, const EvenRanges& node
 
 }  // namespace
 
+// An element is in one subdomain, so its stress comes from one rank, in whatever order.
 ElementResults gatherElementResults(const Communicator& comm, const std::vector<Subdomain>& subdomains,
                                     const std::vector<IsotropicMaterial>& materials, const std::vector<std::size_t>& offsets,
                                     const MultiVector& u, const EvenRanges& elements) {
@@ -127,6 +129,7 @@ ElementResults gatherElementResults(const Communicator& comm, const std::vector<
   return result;
 }
 
+// Names are those that the verification scripts and users' filters know.
 ResultFields makeResultFields(const Communicator& comm, const EvenRanges& nodes, const StepResults& results) {
   ResultFields fields;
   addVector(fields, "displacement", results.displacement);

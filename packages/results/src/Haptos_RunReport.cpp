@@ -63,6 +63,7 @@ Json solverBlock(const SolverReport& solver) {
           {"history", history}};
 }
 
+// All parts of kkt, so that the largest can be told from the others.
 Json accuracyBlock(const RunReport& report) {
   const KktErrors& e = report.accuracy.errors;
   return {{"equilibrium", e.equilibrium}, {"continuity", e.continuity},
@@ -83,6 +84,7 @@ Json contactBlock(const RunReport& report) {
   return block;
 }
 
+// Of the slowest rank in each phase: they may add up to more than the total.
 Json timeBlock(const PhaseTimes& times) {
   Json block;
   for (std::size_t i = 0; i < numPhases; ++i) block[phaseName(Phase(i))] = times.seconds[i];
@@ -90,6 +92,7 @@ Json timeBlock(const PhaseTimes& times) {
   return block;
 }
 
+// Set-up apart from solves: the one is paid once a matrix, the other in every iteration.
 Json coarseBlock(const CoarseReport& coarse) {
   return {{"unknowns", coarse.unknowns},
           {"factors", coarse.factors},

@@ -21,6 +21,7 @@ std::vector<std::string> hingedBodies(const Bodies& bodies) {
   return names;
 }
 
+// Bodies come before the cut: no subdomain may span two, and METIS is asked piece by piece.
 Partition cutMesh(const Communicator& comm, const OwnElements& own, const PartitionOptions& options, ModelData& data) {
   const DualGraph graph = buildDualGraph(comm, own);
   const Bodies bodies = findBodies(comm, own, graph);
@@ -32,6 +33,7 @@ Partition cutMesh(const Communicator& comm, const OwnElements& own, const Partit
   return partition;
 }
 
+// Contiguous ranges of subdomains, about equal in the work of their factors: neighbours in the order come to the same rank.
 void deal(const OwnElements& own, const Partition& partition, const std::vector<int>& numNodes, const std::vector<int>& materialOfBlock,
           DistributedModel& model) {
   std::vector<double> work;
@@ -61,6 +63,7 @@ RowSources rowSources(const DistributedModel& model, const std::vector<ContactIn
 
 }  // namespace
 
+// Pairs are found before the cut, which keeps both sides of a contact together; nobody holds more of the mesh than its share.
 DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
                                  const SourceMesh* source, RunClock& clock, const std::function<void(PartitionOptions&)>& tuneCut) {
   DistributedModel model;

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ModelSystem.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -13,6 +12,8 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_NodalLoads.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -72,15 +73,14 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
 // The file's number of a node; that of rank 0 counts.  Collective.
 std::string numberOf(const DistributedModel& model, std::int64_t node) {
   const MeshShare& mesh = model.mesh;
-  long long asked = node, mine = 0, number = 0;
-  Teuchos::broadcast(*model.comm, 0, Teuchos::outArg(asked));
-  if (asked >= mesh.firstNode() && asked < mesh.endNode()) mine = mesh.part.nodeNumbers[std::size_t(asked - mesh.firstNode())];
-  Teuchos::reduceAll(*model.comm, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(number));
-  return std::to_string(number);
+  const auto asked = broadcasted(*model.comm, node);
+  const bool isMine = asked >= mesh.firstNode() && asked < mesh.endNode();
+  return std::to_string(sumOfAll(*model.comm, isMine ? mesh.part.nodeNumbers[std::size_t(asked - mesh.firstNode())] : 0));
 }
 
 }  // namespace
 
+// Elements become matrices behind `SubdomainStiffness`: what solves does not know that there is a mesh.
 SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNodes) {
   SystemModel system;
   system.comm = model.comm;
@@ -100,6 +100,7 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
   return system;
 }
 
+// f = sum of loads on every copy: surface loads fall on the element that has the side, nodal forces on all copies of a node.
 StepData firstStep(const DistributedModel& model, const FetiSystem& system) {
   const JumpOperator& jump = system.jump();
   std::vector<std::vector<int>> copies;  // [local subdomains][nodes] subdomains that share a node; only for nodal forces

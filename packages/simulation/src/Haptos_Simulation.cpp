@@ -12,6 +12,7 @@
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_ModelSystem.hpp"
 #include "Haptos_ParameterValidation.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_RowGram.hpp"
 
 namespace Haptos {
@@ -47,12 +48,12 @@ std::vector<std::string> leftOut(const ModelData& data, long pairs) {
   return notes;
 }
 
+// The largest of the ranks in one reduction, as holders and others do not do the same.
 CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   const CoarseCosts& c = placement.costs();
   const std::array<double, 7> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
                                       c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks)};
-  std::array<double, 7> largest;
-  Teuchos::reduceAll(placement.comm(), Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
+  const auto largest = largestOfAll(placement.comm(), mine);
   CoarseReport report;
   report.unknowns = unknowns;
   report.factors = placement.numHolders();
@@ -118,6 +119,7 @@ void Simulation::tell(const HistoryEntry& entry) const {
                       std::to_string(entry.slip) + ", open " + std::to_string(entry.open));
 }
 
+// In the order of cost, so that a mistake is told early: files, the model with its pairs, then stiffnesses and loads.
 void Simulation::prepare() {
   runOnRoot(*comm_, [&] { requireFilesForResults(options_); });
   model_ = std::make_unique<DistributedModel>(distributeModel(comm_, options_, source_, clock_));
@@ -151,8 +153,7 @@ void Simulation::describeModel() {
   m.dualUnknowns = long(multipliers.map()->getGlobalNumElements());
   m.kernelDimension = system().kernelDimension();
   m.contactPairs = long(multipliers.numPairs());
-  long pinned = std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1));
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, pinned, Teuchos::outArg(m.pinnedRows));
+  m.pinnedRows = sumOfAll(*comm_, long(std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1))));
   m.tiedPairs = model_->data.tiedPairs;
   m.discretization = m.contactPairs + m.tiedPairs > 0 ? "Node To Node" : "none";
   FrictionLaw law = FrictionLaw::Frictionless;
@@ -166,21 +167,20 @@ void Simulation::describeModel() {
   report_.interfaceNames = model_->data.interfaceNames;
 }
 
+// Known once the factors are made: which way every class took.
 void Simulation::describeLocalSystems() {
   const LocalSystems& systems = system().systems();
   ModelReport& m = report_.model;
   m.localSolver = systems.size() > 0 ? systems.methodName() : "";
-  const double mine[3] = {double(systems.numCondensed()), systems.denseBytes() / (1 << 20), double(systems.numClasses())};
-  double all[3];
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, 3, mine, all);
+  const auto all = sumOfAll(*comm_, std::array<double, 3>{double(systems.numCondensed()), systems.denseBytes() / (1 << 20),
+                                                          double(systems.numClasses())});
   m.explicitSubdomains = int(all[0]);
   m.explicitMemoryMb = all[1];
   m.congruenceClasses = int(all[2]);
-  const long dropped = system().preconditioner().is_null() ? 0 : system().preconditioner()->gram().pairs().numDropped();
-  long allDropped = 0;
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, dropped, Teuchos::outArg(allDropped));
-  if (allDropped > 0)
-    m.notes.push_back(std::to_string(allDropped) + " multipliers of pairs depend on others; the preconditioner leaves them out");
+  const long dropped =
+      sumOfAll(*comm_, long(system().preconditioner().is_null() ? 0 : system().preconditioner()->gram().pairs().numDropped()));
+  if (dropped > 0)
+    m.notes.push_back(std::to_string(dropped) + " multipliers of pairs depend on others; the preconditioner leaves them out");
 }
 
 SimulationResult Simulation::solve() {
@@ -192,6 +192,7 @@ SimulationResult Simulation::solve() {
   return collect(step);
 }
 
+// From u and lambda back to nodes, pairs and elements: every quantity to the rank that will write it.
 SimulationResult Simulation::collect(const StepResult& step) {
   const auto scope = clock_.time(Phase::Recover);
   const FetiSystem& feti = system();
@@ -205,9 +206,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   s.history = step.history;
   s.subspace = step.subspace;
   s.deflation = step.deflation;
-  long mine = feti.systems().localSolves();
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_SUM, mine, Teuchos::outArg(s.localSolves));
-
+  s.localSolves = sumOfAll(*comm_, feti.systems().localSolves());
   report_.coarse = measureCoarse(*feti.dual().GGT->placement(), feti.kernelDimension());
   report_.jump = measureJump(feti.jump(), *comm_);
 
@@ -230,6 +229,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   return result;
 }
 
+// Times and messages of writing belong to the report, which is therefore written last.
 void Simulation::write(SimulationResult& result) {
   const OutputOptions& output = options_.output;
   {

@@ -70,6 +70,7 @@ std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u,
 }
 
 // Largest jump over tied rows.
+// u_secondary - u_primary along each axis, which the tied rows of s = B u - c are.
 double measureTied(const MultiplierMap& multipliers, const Vector& s) {
   const auto data = s.getData(0);
   double mine = 0;

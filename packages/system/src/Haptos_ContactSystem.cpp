@@ -55,6 +55,7 @@ SystemOptions readSystemOptions(const ParameterList& list) {
   return options;
 }
 
+// Tangential and tied rows come and go with the kind of law; coefficients alone leave rows as they are.
 bool needsRows(const FrictionSpec& a, const FrictionSpec& b) {
   return a.tied != b.tied || (a.law == FrictionLaw::Frictionless) != (b.law == FrictionLaw::Frictionless);
 }
@@ -83,6 +84,7 @@ struct ContactSystem::Impl {
     if (refused.empty()) refused = text;
   }
 
+  // Rows may be made only for their right-hand sides: the system keeps its own, which are the same but for c.
   void takeRows(const RCP<const MultiplierMap>& rowsOfToday) {
     const auto vector = Teuchos::rcp(new Vector(solver->system().model().multipliers->map()));
     TEUCHOS_ASSERT(rowsOfToday->c().size() == vector->getLocalLength());
@@ -110,6 +112,7 @@ struct ContactSystem::Impl {
     }
   }
 
+  // Row by row the table of the class: the dearest change that there was decides.
   void update(const Changes& what) {
     if (what.stiffness) input->readStiffness();
     const bool other = what.stiffness || what.rows;
@@ -272,6 +275,7 @@ void ContactSystem::setTolerance(double tolerance) {
   if (impl_->solver) impl_->solver->setTolerance(tolerance);
 }
 
+// Additions are local and cannot throw on one rank alone: what was wrong with them is told here, on all.
 void ContactSystem::setUp() {
   const std::string refused = std::exchange(impl_->refused, "");
   runOnAllRanks(*impl_->comm, [&] {
@@ -282,8 +286,10 @@ void ContactSystem::setUp() {
   impl_->changes = {};
 }
 
+// Of ids, not of numbers: a caller finds its own nodes in it.
 RCP<const Map> ContactSystem::map() const { return impl_->input->map(); }
 
+// Callers see one displacement a node, the solver copies of it: loads are shared among them, and their means come back.
 ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
   setUp();
   const bool fits = f.getMap()->isSameAs(*map()) && u.getMap()->isSameAs(*map());
@@ -302,6 +308,7 @@ ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
 
 RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
 
+// Rows lie where nodes lie; forces go back to the rank that added the pair, whose positions in an interface are one range.
 std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   const SystemInput& input = *impl_->input;
   const Communicator& comm = *impl_->comm;

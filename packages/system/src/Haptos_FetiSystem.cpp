@@ -39,6 +39,7 @@ FetiSystem::FetiSystem(SystemModel model)
       law_(makeContactLaw(*model_.multipliers, model_.friction)),
       systems_(Teuchos::rcp(new LocalSystems(model_.stiffness))) {}
 
+// K and R of every subdomain; then B, which needs sizes only.
 void FetiSystem::assemble() {
   runOnAllRanks(*model_.comm, [&] { systems_->assemble(); });
   useRows();
@@ -60,6 +61,7 @@ UnheldMotions FetiSystem::motionsUnheldBy(Holds&& holds) const {
   return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
 }
 
+// Both checks know e = R^T f alone, so a step is refused before anything is factored.
 void FetiSystem::setStep(StepData step) {
   const Eigen::VectorXd e = G_->restrictLoad(*step.f, *systems_);
   const double loadScale = step.f->getVector(0)->norm2();
@@ -74,6 +76,7 @@ void FetiSystem::setFriction(std::vector<FrictionSpec> friction) {
   model_.friction = std::move(friction);
 }
 
+// Half of what a rank may call its own of the machine is left to sparse factors and vectors.
 void FetiSystem::factor(const LocalSolverOptions& options, std::optional<PreconditionerKind> preconditioner) {
   kind_ = preconditioner;
   localMethod_ = options.method;
@@ -111,6 +114,7 @@ RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, boo
   return systems;
 }
 
+// G G^T of gluing and of contact rows apart: Newton takes contact rows out and in again.
 void FetiSystem::formDual(const CoarseOptions& coarse) {
   coarse_ = coarse;
   const auto F = Teuchos::rcp(new DualOperator(jump_, systems_));
@@ -138,6 +142,7 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
   if (!step_.f.is_null()) dual_.setStep(step_);
 }
 
+// Factors of K do not know B; dense surface matrices do, where rows touch other unknowns than before.
 void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
   model_.multipliers = std::move(multipliers);
   law_ = makeContactLaw(*model_.multipliers, model_.friction);
@@ -155,6 +160,7 @@ void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
   formDual(coarse_);
 }
 
+// All ranks must know: a deflated preconditioner is built together or not at all.
 void FetiSystem::findSlender() {
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i)

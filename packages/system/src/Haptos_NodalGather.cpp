@@ -15,6 +15,7 @@ using Triple = std::array<double, 3>;
 
 }  // namespace
 
+// Where copies go is settled once; later only values travel, in the same order.
 NodalGather::NodalGather(RCP<const Communicator> comm, const std::vector<std::int64_t>& nodesOfCopies, std::int64_t numMeshNodes)
     : comm_(std::move(comm)), nodes_{numMeshNodes, comm_->getSize()}, numNodes_(std::size_t(nodes_.count(comm_->getRank()))) {
   for (const auto node : nodesOfCopies) ranks_.push_back(nodes_.owner(node));
@@ -32,6 +33,7 @@ std::vector<Triple> NodalGather::receive(const MultiVector& v) const {
   return joined(exchangeValues(*comm_, outgoing));
 }
 
+// Mean for the answer, lowest and highest for the error of continuity.
 NodalGather::Copies NodalGather::copies(const MultiVector& u) const {
   const auto values = receive(u);
   const double infinity = std::numeric_limits<double>::infinity();

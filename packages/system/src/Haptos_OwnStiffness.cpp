@@ -30,6 +30,7 @@ void forEachEntry(const CrsMatrix& K, Visit&& visit) {
 
 [[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
 
+// What can be told from sizes, in the order in which a caller would mend it.
 void requireSize(const Part& part) {
   const std::size_t n = 3 * part.coordinates.size();
   if (n == 0) refuse(part, "has no nodes.");
@@ -42,6 +43,7 @@ void requireSize(const Part& part) {
                      " unknowns, three each.");
 }
 
+// || K - K^T ||_max <= 1e-9 || K ||_max: assembly in another order leaves 1e-16.
 void requireSymmetry(const Part& part, const SparseMatrix& K) {
   constexpr double kSymmetric = 1e-9;  // of the largest entry
   double largest = 0;
@@ -73,6 +75,7 @@ Eigen::MatrixXd givenKernel(const Part& part, const SparseMatrix& K) {
   return R;
 }
 
+// Without a kernel that the caller gives, rigid motions are tried: a matrix that resists all of them is not what Total FETI takes.
 Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
   if (part.kernel.size() > 0) return givenKernel(part, K);
   Eigen::MatrixXd R = rigidKernel(K, part.coordinates);
@@ -84,6 +87,8 @@ Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
 
 }  // namespace
 
+// E y = mu D y with E = R^T K R and D = R^T diag(K) R, R the six motions: those y with mu = 0 cost nothing.  Against diag(K), as
+// translations and rotations have other units.
 Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinates) {
   using Small = Eigen::Matrix<double, 6, 6>;
   const Eigen::MatrixXd R = rigidBodyModes(coordinates, {});
@@ -117,6 +122,7 @@ SparseMatrix OwnStiffness::assemble(int i) const {
   return result;
 }
 
+// Row by row from the caller's matrix, not from what was factored: it is what residuals are measured with.
 void OwnStiffness::multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const {
   forEachEntry(*part(i).K, [&](int row, int column, double value) { Ku[row] += value * u[column]; });
 }

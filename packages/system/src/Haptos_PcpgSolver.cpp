@@ -56,6 +56,7 @@ void PcpgSolver::begin(const RCP<const Vector>& start) {
   if (!start.is_null() && !isNothing) x_->update(1.0, *start, -1.0, *dual.lambdaIm, 0.0);
 }
 
+// x in Ker G keeps G lambda = e; Belos iterates on P F P x = b, and lambda = lambdaIm + P x after it, whatever round-off left in x.
 bool PcpgSolver::solve(const SolveRequest& request) {
   using Problem = Belos::LinearProblem<double, MultiVector, Operator>;
   const FetiSystem& system = context_.system;

@@ -87,6 +87,7 @@ void SmalseContactSolver::renew() {
   begin(solution_.lambda);
 }
 
+// The program refers to the operators of the step: another step is another program on the same multipliers.
 void SmalseContactSolver::begin(const RCP<const Vector>& start) {
   impl_ = std::make_unique<Impl>(context_);
   const FetiSystem& system = context_.system;

@@ -38,6 +38,7 @@ void StepSolver::check(StepData step) {
   loads_ = measureLoads(*system_->model().gather, system_->f(), *system_->model().comm);
 }
 
+// K is let go while it is factored, class by class; what depends on B and G comes after it.
 void StepSolver::factor() {
   {
     const auto scope = time(Phase::Factor);
@@ -88,6 +89,7 @@ bool StepSolver::iterate(StepResult& result) {
   return passed;
 }
 
+// A step that was checked before comes again with the same vectors: then there is nothing to check.
 StepResult StepSolver::solve(StepData step) {
   if (step.f != system_->step().f || step.c != system_->step().c) check(std::move(step));
   if (!system_->isFormed()) factor();
@@ -112,6 +114,7 @@ StepResult StepSolver::solve(StepData step) {
 
 void StepSolver::setFriction(std::vector<FrictionSpec> friction) { system_->setFriction(std::move(friction)); }
 
+// Multipliers of other rows mean nothing: the next solve starts afresh.
 void StepSolver::renewRows(RCP<const MultiplierMap> multipliers) {
   multipliedBefore_ = multiplications();
   solver_.reset();
@@ -119,6 +122,7 @@ void StepSolver::renewRows(RCP<const MultiplierMap> multipliers) {
   system_->renewRows(std::move(multipliers));
 }
 
+// Rows stay in number and order, so that the last multipliers are a start for other values of K.
 void StepSolver::renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers) {
   multipliedBefore_ = multiplications();
   factoredBefore_ = factorizations();

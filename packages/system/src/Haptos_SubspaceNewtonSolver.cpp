@@ -15,6 +15,7 @@
 namespace Haptos {
 namespace {
 
+// What Newton knows of a FETI system: F and M as operators, rows of G^T and the laws of pairs; no mesh, no subdomain.
 ContactOperators contactOperators(const FetiSystem& system, std::function<ContactOperators::Deflated()> makeDeflatedM) {
   const DualProblem& dual = system.dual();
   ContactOperators o;
@@ -84,6 +85,7 @@ struct SubspaceNewtonSolver::Impl {
     return estimator->estimate(l, s, request.tolerance, request.isDoubted ? KktEstimator::Scale::Doubted : KktEstimator::Scale::Trusted);
   }
 
+  // Levels before the last have laws of their own, whose residual is not kkt: they tell the residual instead.
   void keep(const SubspaceNewtonRecord& record, const Vector& l) {
     const ContactLaw& law = context.system.law();
     const double force = record.isFinalLevel ? estimator->contactForce() : contactForceScale(law, l, context.loads.largest);

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SystemInput.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Tpetra_CrsMatrix.hpp>
 #include <Tpetra_Export.hpp>
@@ -40,6 +39,7 @@ SystemInput::Subdomain merge(const ElementPart& part) {
   }
   const auto comm = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
   const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(kComponents * sub.ids.size()), 0, comm));
+  // the pattern first: sums then find their place, and nothing is sorted again
   std::vector<std::set<GlobalOrdinal>> columns(kComponents * sub.ids.size());
   const auto unknownsOf = [&](const ElementMatrix& element) {
     std::vector<GlobalOrdinal> unknowns;
@@ -73,6 +73,7 @@ SystemInput::Subdomain merge(const ElementPart& part) {
 
 std::string describe(const PairInput& pair) { return "The contact pair of node " + std::to_string(pair.secondary); }
 
+// Weights that do not add up to one would make a force of a motion that moves both sides alike.
 void checkPair(const PairInput& pair, int numInterfaces) {
   constexpr double kRoundOff = 1e-8;
   if (pair.interface < 0 || pair.interface >= numInterfaces)
@@ -106,21 +107,18 @@ void SystemInput::checkInterfaces() const {
 }
 
 void SystemInput::checkKind() const {
-  const int mine[2] = {!subdomains.empty(), !elements.empty()};
-  int any[2];
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, 2, mine, any);
-  if (any[0] && any[1]) throw InputError("A system takes subdomains or elements, not both.");
-  if (!any[0] && !any[1]) throw InputError("The system is empty: add subdomains or elements.");
+  const bool matrices = anyOfAll(*comm_, !subdomains.empty()), single = anyOfAll(*comm_, !elements.empty());
+  if (matrices && single) throw InputError("A system takes subdomains or elements, not both.");
+  if (!matrices && !single) throw InputError("The system is empty: add subdomains or elements.");
 }
 
 // "0", "1", ...
 std::vector<std::string> SystemInput::nameBodies() const {
-  int mine = -1, largest = -1;
-  for (const auto& sub : dealt_) mine = std::max(mine, sub.body);
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
-  std::vector<int> here(std::size_t(largest) + 1, 0), anywhere(here);
+  int last = -1;
+  for (const auto& sub : dealt_) last = std::max(last, sub.body);
+  std::vector<int> here(std::size_t(largestOfAll(*comm_, last)) + 1, 0);
   for (const auto& sub : dealt_) here[std::size_t(sub.body)] = 1;
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, int(here.size()), here.data(), anywhere.data());
+  const auto anywhere = largestOfAll(*comm_, here);
   std::vector<std::string> names;
   for (std::size_t body = 0; body < anywhere.size(); ++body) {
     if (!anywhere[body]) throw InputError("Body " + std::to_string(body) + " has no subdomain; bodies are numbered from 0 without gaps.");
@@ -132,19 +130,16 @@ std::vector<std::string> SystemInput::nameBodies() const {
 // The matrices that were brought, or elements cut and merged: always in the same way, so that new values find their pattern.
 void SystemInput::dealSubdomains() {
   dealt_ = subdomains;
-  int any = 0, brought = !elements.empty();
-  Teuchos::reduceAll(*comm_, Teuchos::REDUCE_MAX, brought, Teuchos::outArg(any));
-  if (any)
+  if (anyOfAll(*comm_, !elements.empty()))
     for (const auto& part : cutElements(*comm_, elements, options_)) dealt_.push_back(merge(part));
   const int count = int(dealt_.size());
-  int end = 0;
-  Teuchos::scan(*comm_, Teuchos::REDUCE_SUM, count, Teuchos::outArg(end));
-  first_ = end - count;
+  first_ = sumOfLower(*comm_, count);
   for (int i = 0; i < count; ++i)
     dealt_[std::size_t(i)].part.name =
         "subdomain " + std::to_string(first_ + i) + " (body " + std::to_string(dealt_[std::size_t(i)].body) + ")";
 }
 
+// Matrices first, as their kernels decide what is solved; then numbers of nodes, and rows, which need both.
 SystemModel SystemInput::deal(const DecompositionOptions& options) {
   checkKind();
   checkInterfaces();
@@ -167,6 +162,7 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   return model;
 }
 
+// Again for every change of values: kernels and nodal stiffnesses belong to the values.
 void SystemInput::readStiffness() {
   dealSubdomains();
   runOnAllRanks(*comm_, [&] {
@@ -198,6 +194,7 @@ void SystemInput::numberNodes() {
   mapNodes(ids);
 }
 
+// A one adds up over ranks to the number of copies: here + Export gives sums where a node is owned, Import takes them back.
 void SystemInput::mapNodes(const std::vector<std::int64_t>& ids) {
   std::vector<std::int64_t> unique = ids;
   std::sort(unique.begin(), unique.end());
@@ -232,6 +229,7 @@ std::vector<PrescribedDisplacement> SystemInput::collectPrescribed() const {
   };
   std::vector<GlobalOrdinal> unknowns;
   for (const auto& [key, value] : prescribed) unknowns.push_back(kComponents * key.first + key.second);
+  // who has a node in `map` compares what is prescribed at it, from whichever rank it comes
   std::vector<int> ranks(unknowns.size(), -1);
   map_->getRemoteIndexList(Teuchos::ArrayView<const GlobalOrdinal>(unknowns.data(), unknowns.size()),
                            Teuchos::ArrayView<int>(ranks.data(), ranks.size()));
@@ -265,6 +263,7 @@ std::vector<PrescribedDisplacement> SystemInput::collectPrescribed() const {
   return result;
 }
 
+// Every rank looks at its own; all hear of the first that is wrong.
 void SystemInput::checkPairs() const {
   runOnAllRanks(*comm_, [&] {
     for (const auto& pair : pairs) checkPair(pair, int(interfaces.size()));
@@ -304,6 +303,7 @@ std::vector<PlacedPair> SystemInput::placePairs() {
   return placed;
 }
 
+// From what is there now: rows are made anew after any change of pairs or of what is prescribed where.
 RCP<const MultiplierMap> SystemInput::makeRows() {
   RowSources sources;
   for (std::size_t i = 0; i < dealt_.size(); ++i)
@@ -325,6 +325,7 @@ std::string SystemInput::nameOfNode(std::int64_t number) const {
   return std::to_string(largestOfAll(*comm_, mine));
 }
 
+// f_i = f / copies in every copy i of a node: their sum is f, and contact forces alone part the copies.
 RCP<Vector> SystemInput::spread(const Vector& f, const RCP<const Map>& primal) const {
   Vector here(overlap_);
   here.doImport(f, Tpetra::Import<>(map_, overlap_), Tpetra::INSERT);
@@ -339,6 +340,7 @@ RCP<Vector> SystemInput::spread(const Vector& f, const RCP<const Map>& primal) c
   return result;
 }
 
+// u = sum of u_i / copies: the copies agree up to the tolerance, and all count alike.
 void SystemInput::average(const Vector& copies, Vector& u) const {
   Vector here(overlap_);
   {
