@@ -322,6 +322,13 @@ std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   std::vector<Force> mine;
   for (std::size_t i = 0; i < laws.size(); ++i)
     mine.push_back({multipliers.pairs()[i].interface, multipliers.pairs()[i].pair, ContactLaw::gather(laws[i], lambda.getRawPtr())});
+  for (const TiedPair& pair : multipliers.tiedPairs()) {  // rows along x, y, z
+    const LocalFrame& frame = pair.geometry.frame;
+    std::array<double, 3> sum{0, 0, 0};
+    for (std::size_t d = 0; d < 3; ++d)
+      if (pair.rows[d] >= 0) sum[d] = lambda[pair.rows[d]];
+    mine.push_back({pair.interface, pair.pair, {Vec3::dot(sum, frame.normal), Vec3::dot(sum, frame.t1), Vec3::dot(sum, frame.t2)}});
+  }
   // The rank that added a pair, by the first positions of all ranks.
   const std::size_t interfaces = input.interfaces.size();
   const auto first = gatheredOnAll(comm, input.firstOfInterface());  // [ranks][interfaces]
