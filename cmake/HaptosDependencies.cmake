@@ -2,20 +2,46 @@
 # haptos_find(<name>): one of the libraries that Haptos needs, as a target Haptos::<name>; no such target where it is not
 # found.  The installed HaptosConfig.cmake includes this same file and looks only for what the wanted components need.
 
-# Debian's Trilinos 13.2 exports un-namespaced targets without usage requirements.
-function(haptos_find_trilinos)
-  find_package(MPI QUIET COMPONENTS CXX)
-  find_package(Trilinos 13.2 QUIET COMPONENTS Tpetra Amesos2 Belos Intrepid2 Shards Teuchos)
-  if(NOT MPI_CXX_FOUND OR NOT Trilinos_FOUND)
+# haptos_link_trilinos(<target> <package> <all>): a package of Trilinos, or Trilinos itself, as it was found.  From 14 on there are
+# targets with usage requirements; Debian's 13.2 exports libraries without any.
+function(haptos_link_trilinos target package all)
+  if(TARGET ${all})
+    target_link_libraries(${target} INTERFACE ${all})
     return()
   endif()
-  set(tpl_dirs ${Trilinos_TPL_INCLUDE_DIRS})
+  set(tpl_dirs ${${package}_TPL_INCLUDE_DIRS})
   list(REMOVE_ITEM tpl_dirs /usr/include)      # -isystem /usr/include breaks <cstdlib>
+  target_include_directories(${target} SYSTEM INTERFACE ${${package}_INCLUDE_DIRS} ${tpl_dirs})
+  target_link_libraries(${target} INTERFACE ${${package}_LIBRARIES})
+endfunction()
+
+# Its version file knows no newer major version as compatible: the version is compared here.  17 wants C++20.
+function(haptos_find_trilinos)
+  find_package(MPI QUIET COMPONENTS CXX)
+  find_package(Trilinos QUIET COMPONENTS Tpetra Amesos2 Belos Intrepid2 Shards Teuchos)
+  if(NOT MPI_CXX_FOUND OR NOT Trilinos_FOUND OR Trilinos_VERSION VERSION_LESS 13.2)
+    return()
+  endif()
   add_library(Haptos::trilinos INTERFACE IMPORTED)
-  target_include_directories(Haptos::trilinos SYSTEM INTERFACE ${Trilinos_INCLUDE_DIRS} ${tpl_dirs})
-  target_link_libraries(Haptos::trilinos INTERFACE ${Trilinos_LIBRARIES} MPI::MPI_CXX)
-  target_compile_features(Haptos::trilinos INTERFACE cxx_std_17)
+  haptos_link_trilinos(Haptos::trilinos Trilinos Trilinos::all_selected_libs)
+  target_link_libraries(Haptos::trilinos INTERFACE MPI::MPI_CXX)
+  if(Trilinos_VERSION VERSION_LESS 17)
+    target_compile_features(Haptos::trilinos INTERFACE cxx_std_17)
+  else()
+    target_compile_features(Haptos::trilinos INTERFACE cxx_std_20)
+  endif()
   target_compile_definitions(Haptos::trilinos INTERFACE OMPI_SKIP_MPICXX)
+endfunction()
+
+# Stratimikos, for linear problems of those who choose their solvers by it.
+function(haptos_find_thyra)
+  find_package(Stratimikos QUIET)
+  find_package(ThyraTpetraAdapters QUIET)
+  if(Stratimikos_FOUND AND ThyraTpetraAdapters_FOUND)
+    add_library(Haptos::thyra INTERFACE IMPORTED)
+    haptos_link_trilinos(Haptos::thyra Stratimikos Stratimikos::all_libs)
+    haptos_link_trilinos(Haptos::thyra ThyraTpetraAdapters ThyraTpetraAdapters::all_libs)
+  endif()
 endfunction()
 
 # For those who link the C interface, whose project may have no C++.
@@ -50,7 +76,8 @@ function(haptos_find_library name header library)
 endfunction()
 
 # name; what a person would look for, on Debian
-set(HAPTOS_trilinos_IS "MPI and Trilinos 13.2 (trilinos-all-dev, libptscotch-dev, libopenmpi-dev)")
+set(HAPTOS_trilinos_IS "MPI and Trilinos, 13.2 or newer (trilinos-all-dev, libptscotch-dev, libopenmpi-dev)")
+set(HAPTOS_thyra_IS "Trilinos' Stratimikos and ThyraTpetraAdapters (trilinos-all-dev)")
 set(HAPTOS_mpi_c_IS "MPI for C (libopenmpi-dev) in a project with the language C")
 set(HAPTOS_eigen_IS "Eigen 3.3 (libeigen3-dev)")
 set(HAPTOS_json_IS "nlohmann's JSON 3 (nlohmann-json3-dev)")
@@ -63,6 +90,8 @@ macro(haptos_find name)
   if(TARGET Haptos::${name})
   elseif("${name}" STREQUAL "trilinos")
     haptos_find_trilinos()
+  elseif("${name}" STREQUAL "thyra")
+    haptos_find_thyra()
   elseif("${name}" STREQUAL "mpi_c")
     haptos_find_mpi_c()
   elseif("${name}" STREQUAL "eigen")

@@ -1,41 +1,15 @@
 # SPDX-License-Identifier: BSD-3-Clause
-# Script of the test install_stranger; its variables come from CMakeLists.txt beside it.
-execute_process(COMMAND mktemp -d OUTPUT_VARIABLE work OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
-set(prefix "${work}/installed copy")   # a blank, as in many people's folders
-file(COPY ${STRANGER_DIR}/ DESTINATION ${work}/source)
-
-function(fail what)
-  file(REMOVE_RECURSE ${work})
-  message(NOTICE "${what}")
-  message(FATAL_ERROR "install_stranger failed, see above")
-endfunction()
-
-function(step what)
-  execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE output)
-  if(NOT status EQUAL 0)
-    fail("${what} failed (${status}):\n${output}")
-  endif()
-  set(output "${output}" PARENT_SCOPE)
-endfunction()
-
-step("install" ${CMAKE_COMMAND} --install ${BUILD_DIR} --prefix ${prefix})
-set(configure ${CMAKE_COMMAND} -S ${work}/source -G ${GENERATOR}
-  -DCMAKE_BUILD_TYPE=${CONFIG} -DCMAKE_CXX_COMPILER=${CXX_COMPILER} "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
-  "-DCMAKE_PREFIX_PATH=${prefix}" -DCMAKE_EXPORT_COMPILE_COMMANDS=ON)
-step("configure" ${configure} -B ${work}/build)
+# Script of the test install_stranger.
+include(${CMAKE_CURRENT_LIST_DIR}/install_copy.cmake)
 step("build" ${CMAKE_COMMAND} --build ${work}/build)
 step("run" ${MPIRUN} -n 2 ${work}/build/stranger)
 message(STATUS "${output}")
 
-# Its own elements in contact, ten steps by half of the ranks: the same answer whoever has them.
-foreach(ranks 1 2 4)
-  step("run layers on ${ranks} ranks" ${MPIRUN} -n ${ranks} ${work}/build/layers)
-  message(STATUS "${ranks} ranks: ${output}")
-  string(REGEX MATCH "tip [^;]*;" tip_${ranks} "${output}")
-  if(NOT tip_${ranks} OR NOT tip_${ranks} STREQUAL tip_1)
-    fail("the answer of layers depends on the ranks: '${tip_1}' on one, '${tip_${ranks}}' on ${ranks}")
-  endif()
-endforeach()
+# Its own elements in contact, ten steps by half of the ranks; its own nonlinear material; its own dual operators through Belos: the
+# same answer whoever has them.
+run_alike("tip [^;]*;" "1;2;4" ${work}/build/layers)
+run_alike("tip [^;]*;" "1;2" ${work}/build/quasistatic)
+run_alike("length [^;]*;" "1;2" ${work}/build/contact)
 
 # A place without Exodus, METIS, muParser and JSON is enough for qp; who wants more is told what is missing.
 set(nothing -DCMAKE_DISABLE_FIND_PACKAGE_nlohmann_json=ON)

@@ -29,6 +29,7 @@ MAY_INCLUDE = {
     "system": "feti newton qp law coarse linalg decomposition base",
     "results": "system feti law decomposition elasticity mesh base",
     "bindings": "system law input base",
+    "stratimikos": "system base",
     "simulation": "results system feti newton qp coarse linalg law pairing decomposition elasticity mesh input base",
 }
 

@@ -104,7 +104,8 @@ CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kModes);
 }
 
-Eigen::Index CoarseProblem::paddedSize() const { return (size_ + kModes - 1) / kModes * kModes; }
+// At least six: without equalities there is a matrix all the same.
+Eigen::Index CoarseProblem::paddedSize() const { return (std::max<Eigen::Index>(size_, 1) + kModes - 1) / kModes * kModes; }
 
 // With zeros for the unknowns that fill the last six, which the matrix keeps apart.
 Eigen::MatrixXd CoarseProblem::padded(Eigen::MatrixXd b) const {

@@ -22,7 +22,7 @@
 namespace Haptos {
 namespace {
 
-using Device = Kokkos::HostSpace::execution_space;
+using Device = Kokkos::HostSpace::device_type;
 using View = Kokkos::DynRankView<double, Device>;
 using Hex8Basis = Intrepid2::Basis_HGRAD_HEX_C1_FEM<Device, double, double>;
 using Hex27Basis = Intrepid2::Basis_HGRAD_HEX_C2_FEM<Device, double, double>;

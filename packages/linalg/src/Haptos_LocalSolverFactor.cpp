@@ -12,9 +12,8 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Types_fwd.hpp"
 
-// Newer Trilinos may bring its own CHOLMOD adapter; ours is for those that do not.
-#if defined(HAPTOS_HAVE_CHOLMOD) && !defined(HAVE_AMESOS2_CHOLMOD)
-#define HAPTOS_OWN_CHOLMOD
+// Also where Trilinos brings an adapter of its own: single precision, solves and analyses that stay are ours alone.
+#ifdef HAPTOS_HAVE_CHOLMOD
 #include "Haptos_CholmodSolver.hpp"
 #endif
 
@@ -22,8 +21,12 @@ namespace Haptos {
 
 using AmesosSolver = Amesos2::Solver<CrsMatrix, MultiVector>;
 
+// Vectors and matrices are read and written in place, all over the library.
+static_assert(Kokkos::SpaceAccessibility<Kokkos::DefaultHostExecutionSpace, Map::node_type::memory_space>::accessible,
+              "Haptos needs a node type of Tpetra whose memory the host can reach.");
+
 bool hasCholmod() {
-#if defined(HAPTOS_HAVE_CHOLMOD) || defined(HAVE_AMESOS2_CHOLMOD)
+#ifdef HAPTOS_HAVE_CHOLMOD
   return true;
 #else
   return false;
@@ -32,13 +35,10 @@ bool hasCholmod() {
 
 namespace {
 
-// By our own adapter where Trilinos has none for CHOLMOD, by Amesos2's factory else.
 RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
   if (!cholmod) return Amesos2::create<CrsMatrix, MultiVector>("KLU2", A);
-#if defined(HAPTOS_OWN_CHOLMOD)
+#ifdef HAPTOS_HAVE_CHOLMOD
   return Teuchos::rcp(new CholmodSolver<CrsMatrix, MultiVector>(A, Teuchos::null, Teuchos::null));
-#elif defined(HAVE_AMESOS2_CHOLMOD)
-  return Amesos2::create<CrsMatrix, MultiVector>("CHOLMOD", A);
 #else
   throw InputError("Local Solver: CHOLMOD is not in this build; use KLU2 or Automatic, or build with SuiteSparse.");
 #endif
@@ -46,7 +46,7 @@ RCP<AmesosSolver> createSolver(const RCP<const CrsMatrix>& A, bool cholmod) {
 
 // L is computed in double and kept in single: factoring is not what a preconditioner costs.
 void requestSinglePrecision(AmesosSolver& solver) {
-#if defined(HAPTOS_OWN_CHOLMOD)
+#ifdef HAPTOS_HAVE_CHOLMOD
   if (solver.name() != CholmodSolver<CrsMatrix, MultiVector>::name) return;
   const auto list = Teuchos::parameterList("Amesos2");
   list->sublist(solver.name()).set("Single Precision", true);
@@ -145,7 +145,7 @@ Eigen::Index LocalSolverFactor::rows() const { return impl_->rows; }
 
 // Of solvers of others it is not known whether they look at the matrix again.
 void LocalSolverFactor::releaseMatrix() {
-#if defined(HAPTOS_OWN_CHOLMOD)
+#ifdef HAPTOS_HAVE_CHOLMOD
   const auto own = Teuchos::rcp_dynamic_cast<CholmodSolver<CrsMatrix, MultiVector>>(impl_->solver);
   if (own.is_null()) return;
   own->releaseMatrix();

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
 
-#include <BelosSolverFactory_Tpetra.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "Haptos_BelosRegistration.hpp"
 #include "Haptos_OptionTable.hpp"
 #include "Haptos_SubspaceNewtonRun.hpp"
 
@@ -112,9 +112,6 @@ SubspaceNewtonSolMgr::Subspace SubspaceNewtonSolMgr::subspace() const {
 }
 int SubspaceNewtonSolMgr::getNumIters() const { return run_ ? run_->steps() : 0; }
 
-void registerSubspaceNewtonSolMgr() {
-  // Belos looks names up in capitals
-  Belos::Impl::registerSolverSubclassForTypes<SubspaceNewtonSolMgr, double, MultiVector, Operator>("HAPTOS SUBSPACE NEWTON");
-}
+void registerSubspaceNewtonSolMgr() { registerWithBelos<SubspaceNewtonSolMgr>(kName); }
 
 }  // namespace Haptos

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <BelosSolverFactory_Tpetra.hpp>
 #include <Teuchos_VerboseObject.hpp>
 
+#include "Haptos_BelosRegistration.hpp"
 #include "Haptos_OptionTable.hpp"
 #include "Haptos_SmalseSolMgr_def.hpp"
 
@@ -40,11 +40,7 @@ Teuchos::ParameterList smalseParameters(const SmalseSolMgrOptions& options) { re
 
 }  // namespace Details
 
-void registerSmalseSolMgr() {
-  using Manager = SmalseSolMgr<double, MultiVector, Operator>;
-  // Belos looks names up in capitals
-  Belos::Impl::registerSolverSubclassForTypes<Manager, double, MultiVector, Operator>("HAPTOS SMALSE");
-}
+void registerSmalseSolMgr() { registerWithBelos<SmalseSolMgr<double, MultiVector, Operator>>(Details::kName); }
 
 template class SmalseSolMgr<double, MultiVector, Operator>;
 
