@@ -4,6 +4,8 @@
 #include <Tpetra_Operator.hpp>
 #include <cmath>
 
+#include "Haptos_ContactKrylov.hpp"
+
 namespace Haptos {
 
 CompliantPreconditioner::CompliantPreconditioner(const ContactOperators& dual, const DualVectors& vectors, double tolerance,
@@ -46,29 +48,15 @@ Eigen::VectorXd CompliantPreconditioner::turned(Eigen::VectorXd x, Turn turn) co
   return x;
 }
 
-// (C^-1 + E^T M E) q = b by conjugate gradients, D the diagonal of the matrix.  The next r^T z follows from sums that are taken
-// with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction
-// a step.  It decides how far to go, and is summed anew by the next step.
+// (C^-1 + E^T M E) q = b by conjugate gradients, preconditioned by the diagonal of the matrix.
 Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& b) const {
-  Eigen::VectorXd q = Eigen::VectorXd::Zero(b.size()), r = b, z = r.cwiseQuotient(diagonal_), p = z;
-  double target = -1;
-  for (int step = 0; step < maximumSteps_; ++step) {
-    const Eigen::VectorXd MEp = vectors_.applyOnContact(*dual_.contactM, turned(p, Turn::FromModes));
-    const Eigen::VectorXd Ap = inverseC_.cwiseProduct(p) + turned(MEp, Turn::ToModes).cwiseProduct(isCompliant_);
-    const Eigen::VectorXd DAp = Ap.cwiseQuotient(diagonal_);
-    Eigen::Vector4d sums(r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp));
-    vectors_.sum(sums);
-    const double rz = sums[0];
-    if (rz == 0) break;
-    const double alpha = rz / sums[1], next = rz - 2 * alpha * sums[2] + alpha * alpha * sums[3];
-    q += alpha * p;
-    if (step == 0) target = tolerance_ * tolerance_ * rz;
-    if (next <= target) break;
-    r -= alpha * Ap;
-    z = r.cwiseQuotient(diagonal_);
-    p = z + (next / rz) * p;
-  }
-  return q;
+  return ContactEquations{[&](const Eigen::VectorXd& p) -> Eigen::VectorXd {
+                            const Eigen::VectorXd MEp = vectors_.applyOnContact(*dual_.contactM, turned(p, Turn::FromModes));
+                            return inverseC_.cwiseProduct(p) + turned(MEp, Turn::ToModes).cwiseProduct(isCompliant_);
+                          },
+                          [&](const Eigen::VectorXd& r) -> Eigen::VectorXd { return r.cwiseQuotient(diagonal_); }, tolerance_,
+                          maximumSteps_}
+      .solveByCg(vectors_, b);
 }
 
 // By Woodbury (M^-1 + E C E^T)^-1 r = M (r - E q), where q = C E^T z is the jump of the springs.  On modes the vector that

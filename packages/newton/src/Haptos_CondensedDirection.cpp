@@ -3,6 +3,8 @@
 
 #include <Tpetra_Operator.hpp>
 
+#include "Haptos_DenseDecompositions.hpp"
+
 namespace Haptos {
 namespace {
 
@@ -10,15 +12,42 @@ RCP<const Operator> contactRowsOf(const ContactOperators::Deflated& deflated, co
   return deflated.contactM.is_null() ? contactBlockOf(deflated.M, dual.pairs) : deflated.contactM;
 }
 
+SubspaceNewtonOptions::Condensed withReduction(SubspaceNewtonOptions::Condensed options, bool slender) {
+  if (slender) options.reduction = options.reductionSlender;
+  return options;
+}
+
 }  // namespace
 
+// Where M between contact rows is no cheaper than M, subdomains are slender: dense.
 CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflated, const ContactOperators& dual,
-                                       const GluingBalance& balance, const Eigen::VectorXd& without,
+                                       const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
-    : balance_(balance), contact_(deflated.M, *contactRowsOf(deflated, dual), balance.vectors(), options) {
+    : balance_(balance),
+      matrix_(contactRowsOf(deflated, dual), balance.vectors(), diagonal,
+              deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
+      contact_(deflated.M, matrix_, withReduction(options, deflated.contactM.is_null())),
+      pairStiffness_(without) {
+  if (!deflated.contactM.is_null()) return;
   // A pinned pair feels nothing; its r is free, but must be a number.
-  const Eigen::VectorXd felt = contact_.normalStiffness();
+  const Eigen::VectorXd felt = matrix_.normalStiffness();
   pairStiffness_ = (felt.array() > 0).select(felt, without);
+}
+
+// The motions that contact alone holds, J on contact rows, H those entries of it that forces may answer:
+// v_c := v_c - H (H^T H)^+ J^T v_c.  A body that came a long way leaves round-off of its way: 1e-3 of the load was seen.
+void CondensedDirection::holdFloatingBodies(Eigen::VectorXd& v) const {
+  const Eigen::MatrixXd& H = balance_.H();
+  const Eigen::Index k = H.cols();
+  if (k == 0) return;
+  const DualVectors& vectors = balance_.vectors();
+  Eigen::VectorXd contact = vectors.contact(v);
+  Eigen::MatrixXd sums(k, k + 1);
+  sums.leftCols(k) = H.transpose() * H;
+  for (Eigen::Index j = 0; j < k; ++j) sums(j, k) = vectors.contact(balance_.jumps().col(j)).dot(contact);
+  vectors.sum(sums);
+  contact -= H * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
+  vectors.setContact(v, contact);
 }
 
 Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point,
@@ -31,6 +60,7 @@ Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const L
   } else {
     direction.v = contact_.solveLinearized(law, point.s, point.phi);
   }
+  holdFloatingBodies(direction.v);
   balance_.balance(direction.v);
   return direction;
 }

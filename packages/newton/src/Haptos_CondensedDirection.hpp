@@ -8,20 +8,24 @@ namespace Haptos {
 
 /// \brief Directions from the problem condensed to the contact rows: z = M_Z (s_E, sigma), sigma by the law or its linearisation.
 ///
-/// G M_Z = 0 up to the holds and round-off of M_Z; the gluing rows take what is left.
+/// G M_Z = 0 up to the holds and round-off of M_Z; contact rows take what is left of floating motions, gluing rows the rest.
 class CondensedDirection final : public NewtonDirection {
  public:
   /// References are kept.  \param without [pairs] stiffness of pairs whose compliance is not felt.  Collective.
+  /// \param diagonal [3 pairs] about M's between contact rows.
   CondensedDirection(const ContactOperators::Deflated& deflated, const ContactOperators& dual, const GluingBalance& balance,
-                     const Eigen::VectorXd& without, const SubspaceNewtonOptions::Condensed& options);
+                     const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without, const SubspaceNewtonOptions::Condensed& options);
 
   Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target target) override;
 
-  /// \brief 1 / (normal compliance of the pair, the others open).
+  /// \brief 1 / (normal compliance of the pair, the others open), where M is a dense matrix; else as without this direction.
   const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }
 
  private:
+  void holdFloatingBodies(Eigen::VectorXd& v) const;
+
   const GluingBalance& balance_;
+  ContactMatrix matrix_;
   CondensedContact contact_;
   Eigen::VectorXd pairStiffness_;
 };

@@ -43,9 +43,10 @@ class ContinuationPolicy {
   /// \brief Coefficients of the last level before the true one.
   std::vector<PairLaw> easier() const { return scaledCoefficients(pairs_, options_.firstFactor); }
 
- private:
+  /// \brief Whether ellipses are so long that axis ratios matter.
   bool isElongated() const { return ratio_ > options_.firstAxisRatio; }
 
+ private:
   const std::vector<PairLaw>& pairs_;
   Options options_;
   double ratio_;

@@ -17,7 +17,7 @@ class DirectionChoice {
   NewtonDirection& current() { return condensed_ ? static_cast<NewtonDirection&>(*condensed_) : balanced_; }
   const Eigen::VectorXd& pairStiffness() const { return condensed_ ? condensed_->pairStiffness() : balanced_.pairStiffness(); }
 
-  /// \brief Whether condensed directions were not asked for and could be had: there is a better M and contact is small enough.
+  /// \brief Whether condensed directions were not asked for and could be had: there is a better M.
   bool mayCondense() const { return mayCondense_; }
   bool isCondensed() const { return condensed_ != nullptr; }
 
@@ -28,6 +28,7 @@ class DirectionChoice {
  private:
   const ContactOperators& dual_;
   const GluingBalance& balance_;
+  Eigen::VectorXd diagonalOfMcc_;  // [3 pairs]
   SubspaceNewtonOptions::Condensed options_;
   BalancedDirection balanced_;
   std::unique_ptr<CondensedDirection> condensed_;

@@ -100,16 +100,24 @@ struct SubspaceNewtonOptions {
     double floatingShift = 1e-8, floatingHold = 1e-10;
   };
 
-  /// \brief The contact problem condensed to the contact rows (`CondensedContact`).
+  /// \brief The contact problem condensed to the contact rows (`CondensedContact`).  No number here costs an F.
   struct Condensed {
-    /// Pairs up to which it is made: dense solves of 3 x pairs on every rank.  325 pairs took 29 instead of 45 F, but 3 s
-    /// instead of 0.4.
-    long largest = 150;
-    int newtonSteps = 60;          ///< a bound: they need no F
-    double reduction = 1e-9;       ///< of phi: far below what M_Z^-1 is worth as F
+    /// Of phi: about what one F leaves.  1e-9 took as many F on all scenes with long axes, and four times the products with M.
+    double reduction = 1e-2;
+    /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (5 F became 21 at 1e-2).
+    double reductionSlender = 1e-9;
+    int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
     double leastStep = 1e-3;       ///< of the line search; then the step of the least residual, or the full one
     double armijo = 1e-4;
-    double solved = 1e-6;          ///< of phi; where more is left Newton starts once more, from tied bodies
+    double linearTolerance = 1e-3; ///< of a Newton step, 20 to 30 products
+    int linearSteps = 150;         ///< a bound
+    /// The path of interior points: 20 to 27 steps from no start to 1e-7, at axis ratios of 1 to 1e6.
+    int pathSteps = 40;
+    /// Its matrices add up to 1e6 times M to some rows: 1e-2 lost the path, 1e-4 the last digits.
+    double pathLinearTolerance = 1e-6;
+    /// Of l . y that a step aims at: after a long step (of the way to the full one), after a short one.
+    double pathFar = 0.1, pathNear = 0.4, pathLong = 0.7;
+    double pathShortest = 1e-6;    ///< step that ends the path
   };
 
   /// \brief Rigid bodies on a frictional foundation, where floating bodies start (`solveFoundation`); no F.

@@ -3,6 +3,7 @@
 #include <Teuchos_UnitTestHarness.hpp>
 
 #include "DenseContact.hpp"
+#include "Haptos_ConePath.hpp"
 #include "Haptos_DirectionChoice.hpp"
 
 namespace {
@@ -90,36 +91,129 @@ TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndComplianc
   TEST_COMPARE(t.difference(stuck.apply(t.local(b)), t.setup.d.M * b), <, 1e-13);
 }
 
+// M between contact rows as products and as a matrix; what Krylov methods leave is asked to be small here.
+ContactMatrix contactMatrix(const Scene& t, ContactMatrix::Kind kind) {
+  SubspaceNewtonOptions::Condensed options;
+  options.linearTolerance = options.pathLinearTolerance = 1e-13;
+  return {t.dual.contactM, t.vectors, t.vectors.contact(t.local(t.setup.d.M.diagonal())), kind, options};
+}
+
+constexpr auto kKinds = {ContactMatrix::Kind::Dense, ContactMatrix::Kind::Products};
+
 TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLinearisedLaw) {
-  const Scene t(false);
-  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
-  const DenseMatrix Mcc = t.contactM();
-  const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
-  const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
-  const DenseVector sigma = t.wholeLaw.multiply(Mcc, -I).partialPivLu().solve(rhs);
-  DenseVector jumps = t.s;
-  jumps.head(3 * kGroups) = sigma;
-  TEST_COMPARE(t.difference(condensed.solveLinearized(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
+  for (const auto kind : kKinds) {
+    const Scene t(false);
+    const ContactMatrix matrix = contactMatrix(t, kind);
+    const CondensedContact condensed(t.dual.M, matrix);
+    const DenseMatrix Mcc = t.contactM();
+    const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
+    const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
+    const DenseVector sigma = t.wholeLaw.multiply(Mcc, -I).partialPivLu().solve(rhs);
+    DenseVector jumps = t.s;
+    jumps.head(3 * kGroups) = sigma;
+    TEST_COMPARE(t.difference(condensed.solveLinearized(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
+  }
 }
 
 TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
-  const Scene t(false);
-  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
-  const CondensedContact::Step step = condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS);
-  const auto after = linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r);
-  TEST_COMPARE(t.vectors.norm(after.phi), <, 1e-8 * t.wholeLaw.phi.norm());
-  // the step is the response to the jumps that it closes
-  Eigen::VectorXd jumps = t.myS;
-  t.vectors.setContact(jumps, step.sigma);
-  TEST_COMPARE(t.difference(step.z, t.setup.d.M * t.global(jumps)), <, 1e-12);
+  for (const auto kind : kKinds) {
+    const Scene t(false);
+    const ContactMatrix matrix = contactMatrix(t, kind);
+    SubspaceNewtonOptions::Condensed options;
+    options.reduction = 1e-9;
+    const CondensedContact condensed(t.dual.M, matrix, options);
+    const CondensedContact::Step step = condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS);
+    const auto after = linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r);
+    TEST_COMPARE(t.vectors.norm(after.phi), <, 1e-8 * t.wholeLaw.phi.norm());
+    // the step is the response to the jumps that it closes
+    Eigen::VectorXd jumps = t.myS;
+    t.vectors.setContact(jumps, step.sigma);
+    TEST_COMPARE(t.difference(step.z, t.setup.d.M * t.global(jumps)), <, 1e-12);
+  }
 }
 
-TEUCHOS_UNIT_TEST(CondensedContact, PairsFeelTheirComplianceWithTheOthersOpen) {
+// Whatever M leaves of G M: motions that contact alone holds are balanced by contact rows, the others by gluing rows.
+TEUCHOS_UNIT_TEST(CondensedDirection, IsBalancedByAnyM) {
+  for (const bool floating : {false, true}) {
+    const Scene t(floating);
+    const Eigen::VectorXd diagonal = t.vectors.contact(t.local(t.setup.d.M.diagonal()));
+    CondensedDirection condensed({t.dual.M, t.dual.contactM}, t.dual, t.balance, diagonal, t.r, {});
+    const DenseVector any = numbers(t.GT.rows(), 0.2);
+    TEST_COMPARE((t.GT.transpose() * t.setup.d.M * any).norm(), >, 1e-2 * (t.setup.d.M * any).norm());  // M does not do it
+    for (const auto target : {NewtonDirection::Target::Law, NewtonDirection::Target::Linearization}) {
+      const Eigen::VectorXd v = condensed.compute(t.dual.pairs, t.law, {t.myLambda, t.myS, t.law.phi}, target).v;
+      TEST_COMPARE(t.balance.applyG(v).norm(), <, 1e-11 * t.vectors.norm(v));
+    }
+  }
+}
+
+TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
   const Scene t(false);
-  const CondensedContact condensed(t.dual.M, *t.dual.contactM, t.vectors);
+  const DenseMatrix Mcc = t.contactM();
+  const DenseVector b = numbers(3 * kGroups, 0.7);
+  // of pair i, wherever it is: A not symmetric, K symmetric and positive
+  const auto blockA = [](int i) -> Eigen::Matrix3d {
+    return Eigen::Matrix3d::NullaryExpr([&](int r, int c) { return double(r == c) + 0.1 * std::sin(1.0 + i + 2 * r + 5 * c); });
+  };
+  const auto blockK = [&](int i) -> Eigen::Matrix3d { return std::pow(10.0, i % 5 - 2) * blockA(i) * blockA(i).transpose(); };
+  DenseMatrix AMB = Mcc, MK = Mcc;
+  for (int i = 0; i < kGroups; ++i) {
+    AMB.middleRows<3>(3 * i) = (blockA(i) * AMB.middleRows<3>(3 * i)).eval();
+    AMB.block<3, 3>(3 * i, 3 * i) += blockK(i);
+    MK.block<3, 3>(3 * i, 3 * i) += blockK(i);
+  }
+  DenseVector rhs = DenseVector::Zero(t.GT.rows()), general = rhs, symmetric = rhs;
+  rhs.head(3 * kGroups) = b;
+  general.head(3 * kGroups) = AMB.partialPivLu().solve(b);
+  symmetric.head(3 * kGroups) = MK.ldlt().solve(b);
+  ContactMatrix::Blocks A, K;
+  for (const PairLaw& pair : t.dual.pairs) {
+    const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
+    A.push_back(blockA(i));
+    K.push_back(blockK(i));
+  }
+  const auto asRows = [&](const Eigen::VectorXd& contact) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+    t.vectors.setContact(x, contact);
+    return x;
+  };
+  for (const auto kind : kKinds) {
+    const ContactMatrix matrix = contactMatrix(t, kind);
+    const Eigen::VectorXd mine = t.vectors.contact(t.local(rhs));
+    TEST_COMPARE(t.difference(asRows(matrix.solve(A, K, mine)), general), <, 1e-10);
+    TEST_COMPARE(t.difference(asRows(matrix.solveSymmetric(K, mine)), symmetric), <, 1e-10);
+  }
+}
+
+// From no start, at axis ratios that Newton's method fears, with coefficients 0 and Tresca's law: all law is obeyed at the end.
+TEUCHOS_UNIT_TEST(ConePath, EndsWhereTheLawHolds) {
+  struct Case {
+    std::array<double, 2> coefficients;
+    FrictionLaw law;
+  };
+  for (const Case& c : {Case{{0.8, 0.4}, FrictionLaw::Coulomb}, Case{{0.5, 5e-7}, FrictionLaw::Coulomb}, Case{{0.0, 0.5}, FrictionLaw::Coulomb},
+                        Case{{0.5, 0.05}, FrictionLaw::Tresca}, Case{{0.0, 0.0}, FrictionLaw::Coulomb}}) {
+    const Scene t(false);
+    const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Products);
+    std::vector<PairLaw> pairs = t.dual.pairs;
+    for (PairLaw& pair : pairs) pair.coefficients = c.coefficients, pair.law = c.law, pair.slipForce = 0.5;
+    const Eigen::VectorXd lambda = t.vectors.contact(t.myLambda), s = t.vectors.contact(t.myS);
+    const auto residual = [&](const Eigen::VectorXd& sigma) {
+      return t.vectors.norm(linearizeLaw(pairs, lambda + matrix.multiply(sigma), s - sigma, t.r).phi);
+    };
+    const double start = residual(Eigen::VectorXd::Zero(s.size()));
+    const Eigen::VectorXd sigma = followConePath(pairs, matrix, lambda, s, residual, 1e-4 * start, {});
+    out << "ratio " << c.coefficients[0] << " : " << c.coefficients[1] << ", residual " << residual(sigma) / start << "\n";
+    TEST_COMPARE(residual(sigma), <=, 1e-4 * start);
+  }
+}
+
+TEUCHOS_UNIT_TEST(ContactMatrix, PairsFeelTheirComplianceWithTheOthersOpen) {
+  const Scene t(false);
+  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense);
   const DenseMatrix flexibility = t.contactM().inverse();
   Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(t.vectors.numRows()), normal = Eigen::VectorXd::Zero(3 * t.vectors.numPairs());
-  const Eigen::VectorXd felt = condensed.normalStiffness();
+  const Eigen::VectorXd felt = matrix.normalStiffness();
   for (Eigen::Index i = 0; i < felt.size(); ++i) normal[3 * i] = felt[i];
   t.vectors.setContact(stiffness, normal);
   DenseVector expected = DenseVector::Zero(t.GT.rows());

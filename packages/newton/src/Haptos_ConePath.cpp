@@ -1,0 +1,196 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ConePath.hpp"
+
+#include <Teuchos_CommHelpers.hpp>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace Haptos {
+namespace {
+
+constexpr double kInside = 0.95;  // of the way to the boundary
+
+double determinant(const Eigen::Vector3d& x) { return x[0] * x[0] - x.tail<2>().squaredNorm(); }
+Eigen::Vector3d reflected(const Eigen::Vector3d& x) { return {x[0], -x[1], -x[2]}; }
+
+// Largest t with x + t d in the cone: the smallest positive root of det(x + t d), or where the first component vanishes.
+double wayToBoundary(const Eigen::Vector3d& x, const Eigen::Vector3d& d) {
+  double t = std::numeric_limits<double>::infinity();
+  const auto take = [&](double root) {
+    if (root > 0) t = std::min(t, root);  // NaN is not
+  };
+  const double a = determinant(d), b = 2 * x.dot(reflected(d)), c = determinant(x), discriminant = b * b - 4 * a * c;
+  if (discriminant >= 0) {
+    const double q = -0.5 * (b + (b < 0 ? -1 : 1) * std::sqrt(discriminant));
+    if (a != 0) take(q / a);
+    if (q != 0) take(c / q);
+  }
+  if (d[0] < 0) take(-x[0] / d[0]);
+  return t;
+}
+
+}  // namespace
+
+// W = theta (2 w w^T - R), R = diag(1, -1, -1), theta^2 = det l / det y and w between the directions of l and R y;
+// rest = - l + target y^-1,  y^-1 = R y / det y.
+void ConePoint::aim(double target) {
+  const double detL = std::sqrt(determinant(l)), detY = std::sqrt(determinant(y));
+  const Eigen::Vector3d from = l / detL, to = y / detY;
+  const Eigen::Vector3d w = (from + reflected(to)) / (2 * std::sqrt((1 + from.dot(to)) / 2));
+  W = 2 * w * w.transpose();
+  W.diagonal() -= Eigen::Vector3d(1, -1, -1);
+  W *= detL / detY;
+  rest = -l + target / (detY * detY) * reflected(y);
+}
+
+double ConePoint::longestStep() const { return std::min(1.0, kInside * std::min(wayToBoundary(l, dl), wayToBoundary(y, dy))); }
+
+PairCones::PairCones(const PairLaw& pair, double force, double length)
+    : hasNormal_(!pair.normalPinned), hasBall_(pair.law == FrictionLaw::Tresca && pair.frictional() && pair.slipForce > 0) {
+  D_ << double(hasNormal_), 0, 0;
+  const bool hasFriction = pair.frictional() && (pair.law == FrictionLaw::Tresca ? hasBall_ : hasNormal_);
+  for (int t = 0; t < 2 && hasFriction; ++t) D_[1 + t] = pair.coefficients[t];
+  inverseD_ = (D_.array() > 0).select(D_.cwiseInverse(), 0.0);
+  normal_.l << force, 0, 0;
+  normal_.y << length, 0, 0;
+  ball_ = normal_;
+  ball_.l[0] = pair.slipForce;
+}
+
+double PairCones::product() const { return (hasNormal_ ? normal_.l.dot(normal_.y) : 0.0) + (hasBall_ ? ball_.l.dot(ball_.y) : 0.0); }
+
+// Components outside of the cones: (M d sigma) = - lambda.
+void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target) {
+  K_.setZero();
+  b_ = (D_.array() > 0).select(Eigen::Vector3d::Zero(), -lambda);
+  missing_ = jumpMissing_ = Eigen::Vector3d::Zero();
+  if (hasNormal_) normal_.aim(target);
+  if (hasBall_) ball_.aim(target);
+  linearizeCoulomb(lambda, s);
+  if (hasBall_) linearizeBall(lambda, s);
+}
+
+// dl = D^-1 M dsigma + missing, dy = D dsigma + jumpMissing: (M + D W D) dsigma = D (rest - missing - W jumpMissing).  |F s_T| in
+// y_0 is taken as it is: with its derivative the matrix would not be symmetric, and steps not safer.  Under Tresca's law tangential
+// components are those of the ball, and of the normal cone l and y have the first one only.
+void PairCones::linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s) {
+  if (!hasNormal_) return;
+  const Eigen::Vector3d D = hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_, inverse = hasBall_ ? D : inverseD_;
+  const Eigen::Vector3d jumps = -D.cwiseProduct(s);
+  missing_ = inverse.cwiseProduct(lambda) - normal_.l;
+  jumpMissing_ = jumps - normal_.y;
+  jumpMissing_[0] += jumps.tail<2>().norm();
+  K_ = D.asDiagonal() * normal_.W * D.asDiagonal();
+  b_ += D.cwiseProduct(normal_.rest - missing_ - normal_.W * jumpMissing_);
+}
+
+// l_0 stays: the first row gives dy_0 = (rest_0 - W_0T dy_T) / W_00, and the others the Schur complement.
+void PairCones::linearizeBall(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s) {
+  const Eigen::Vector2d D = D_.tail<2>(), coupling = ball_.W.block<2, 1>(1, 0) / ball_.W(0, 0);
+  const Eigen::Matrix2d W = ball_.W.bottomRightCorner<2, 2>() - coupling * ball_.W.block<1, 2>(0, 1);
+  missing_.tail<2>() = inverseD_.tail<2>().cwiseProduct(lambda.tail<2>()) - ball_.l.tail<2>();
+  jumpMissing_.tail<2>() = -D.cwiseProduct(s.tail<2>()) - ball_.y.tail<2>();
+  K_.bottomRightCorner<2, 2>() = D.asDiagonal() * W * D.asDiagonal();
+  const Eigen::Vector2d rest = ball_.rest.tail<2>() - coupling * ball_.rest[0];
+  b_.tail<2>() += D.cwiseProduct(rest - missing_.tail<2>() - W * jumpMissing_.tail<2>());
+}
+
+// l by W dy, not by M dsigma: what the linear solver leaves stays in the equation for forces, which the next step sees, and not in
+// l . y, where a small coefficient would magnify it.
+void PairCones::setStep(const Eigen::Vector3d& dSigma) {
+  Eigen::Vector3d dy = D_.cwiseProduct(dSigma) + jumpMissing_;
+  normal_.dy = hasBall_ ? Eigen::Vector3d(dy[0], 0, 0) : dy;
+  normal_.dl = normal_.rest - normal_.W * normal_.dy;
+  if (!hasBall_) return;
+  dy[0] = (ball_.rest[0] - ball_.W.block<1, 2>(0, 1).dot(dy.tail<2>().transpose())) / ball_.W(0, 0);
+  ball_.dy = dy;
+  ball_.dl = ball_.rest - ball_.W * dy;
+  ball_.dl[0] = 0;  // but for round-off
+}
+
+double PairCones::longestStep() const {
+  return std::min(hasNormal_ ? normal_.longestStep() : 1.0, hasBall_ ? ball_.longestStep() : 1.0);
+}
+
+void PairCones::advance(double t) {
+  if (hasNormal_) normal_.advance(t);
+  if (hasBall_) ball_.advance(t);
+}
+
+namespace {
+
+// Mean length of forces and jumps over the pairs of all ranks.
+Eigen::Vector2d meanSizes(const DualVectors& vectors, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {
+  Eigen::Vector3d sums(lambda.squaredNorm(), s.squaredNorm(), double(vectors.numPairs()));
+  vectors.sum(sums);
+  return (sums.head<2>() / std::max(1.0, sums[2])).cwiseSqrt();
+}
+
+class ConePath {
+ public:
+  ConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s)
+      : M_(M), lambda_(lambda), s_(s) {
+    const Eigen::Vector2d sizes = meanSizes(M.vectors(), lambda, s);
+    for (const PairLaw& pair : pairs) cones_.emplace_back(pair, sizes[0] > 0 ? sizes[0] : 1.0, sizes[1] > 0 ? sizes[1] : 1.0);
+  }
+
+  // mean of l . y times the part that a step aims at
+  double target(double part) const {
+    Eigen::Vector2d sums(0, 0);
+    for (const PairCones& cones : cones_) sums += Eigen::Vector2d(cones.product(), cones.count());
+    M_.vectors().sum(sums);
+    return part * sums[0] / std::max(1.0, sums[1]);
+  }
+
+  // One step of Newton's method; the length of it that was taken.
+  double step(Eigen::VectorXd& sigma, double part) {
+    const double aim = target(part);
+    ContactMatrix::Blocks K;
+    Eigen::VectorXd b(sigma.size());
+    for (std::size_t i = 0; i < cones_.size(); ++i) {
+      const Eigen::Index at = 3 * Eigen::Index(i);
+      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim);
+      K.push_back(cones_[i].K());
+      b.segment<3>(at) = cones_[i].b();
+    }
+    const Eigen::VectorXd d = M_.solveSymmetric(K, b);
+    double mine = 1, t = 1;
+    for (std::size_t i = 0; i < cones_.size(); ++i) {
+      cones_[i].setStep(d.segment<3>(3 * Eigen::Index(i)));
+      mine = std::min(mine, cones_[i].longestStep());
+    }
+    Teuchos::reduceAll(M_.vectors().comm(), Teuchos::REDUCE_MIN, mine, Teuchos::outArg(t));
+    for (PairCones& cones : cones_) cones.advance(t);
+    sigma += t * d;
+    lambda_ += t * M_.multiply(d);
+    s_ -= t * d;
+    return t;
+  }
+
+ private:
+  const ContactMatrix& M_;
+  Eigen::VectorXd lambda_, s_;  // of the day
+  std::vector<PairCones> cones_;
+};
+
+}  // namespace
+
+// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.
+Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
+                               const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
+                               double target, const SubspaceNewtonOptions::Condensed& options) {
+  ConePath path(pairs, M, lambda, s);
+  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(s.size()), best = sigma;
+  double least = residual(sigma), part = options.pathFar;
+  for (int step = 0; step < options.pathSteps && least > target; ++step) {
+    const double t = path.step(sigma, part);
+    const double norm = residual(sigma);
+    if (!std::isfinite(norm) || t < options.pathShortest) break;
+    part = t > options.pathLong ? options.pathFar : options.pathNear;
+    if (norm < least) least = norm, best = sigma;
+  }
+  return best;
+}
+
+}  // namespace Haptos

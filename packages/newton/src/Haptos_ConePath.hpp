@@ -1,0 +1,68 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_ContactMatrix.hpp"
+
+namespace Haptos {
+
+/// \brief Vectors l and y of the second-order cone { x : x_0 >= | (x_1, x_2) | } on the way to l . y = 0, by a primal-dual interior
+/// point method.
+///
+/// With the scaling matrix W of Nesterov and Todd, W y = l [alizadeh-goldfarb-2003], a step obeys  dl + W dy = rest.
+struct ConePoint {
+  Eigen::Vector3d l, y, dl, dy, rest;
+  Eigen::Matrix3d W;
+
+  /// Aims at l o y = target.
+  void aim(double target);
+  double longestStep() const;  ///< largest t <= 1 for which l + t dl and y + t dy stay inside, less a little
+  void advance(double t) { l += t * dl, y += t * dy; }
+};
+
+/// \brief The law of one pair as cones: Coulomb's is  (lambda_N, F^-1 lambda_T) . (|F s_T| - s_N, - F s_T) = 0, both in the cone
+/// [de-saxce-feng-1998]; Tresca's one for the normal and one for the tangential force, whose bound is given.
+///
+/// Components that the law holds at 0 (a coefficient 0, a pinned row) are no part of a cone.
+class PairCones {
+ public:
+  /// \param force, length sizes of the start
+  PairCones(const PairLaw& pair, double force, double length);
+
+  double product() const;  ///< sum of l . y
+  int count() const { return int(hasNormal_) + int(hasBall_); }
+
+  /// \brief The pair's part of Newton's equation (M + K) d sigma = b at these forces and jumps, for the given l . y.
+  void linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target);
+  const Eigen::Matrix3d& K() const { return K_; }
+  const Eigen::Vector3d& b() const { return b_; }
+
+  void setStep(const Eigen::Vector3d& dSigma);
+  double longestStep() const;
+  void advance(double t);
+
+ private:
+  void linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s);
+  void linearizeBall(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s);
+
+  bool hasNormal_, hasBall_;
+  Eigen::Vector3d D_, inverseD_;  // (1, F1, F2), 0 where a component is no part of a cone
+  Eigen::Vector3d missing_;       // D^-1 lambda - l
+  Eigen::Vector3d jumpMissing_;   // what the jumps ask of y, less y
+  ConePoint normal_, ball_;
+  Eigen::Matrix3d K_;
+  Eigen::Vector3d b_;
+};
+
+/// \brief Follows the path of interior points of all pairs for  lambda + M sigma, s - sigma:  from no start at all, and where Newton's
+/// method on the law finds no way.
+///
+/// \param residual of the law at a sigma; ends at `target`, or where it is not lowered any more.  Collective.
+Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
+                               const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
+                               double target, const SubspaceNewtonOptions::Condensed& options);
+
+}  // namespace Haptos

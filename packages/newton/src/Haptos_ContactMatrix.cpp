@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactMatrix.hpp"
+
+#include <Eigen/LU>
+#include <Teuchos_CommHelpers.hpp>
+#include <Tpetra_Operator.hpp>
+#include <cmath>
+
+#include "Haptos_ContactKrylov.hpp"
+#include "Haptos_DenseDecompositions.hpp"
+
+namespace Haptos {
+namespace {
+
+// y_i := A_i x_i
+Eigen::VectorXd multiplyBlocks(const ContactMatrix::Blocks& A, const Eigen::VectorXd& x) {
+  Eigen::VectorXd y(x.size());
+  for (std::size_t i = 0; i < A.size(); ++i) y.segment<3>(3 * Eigen::Index(i)) = A[i] * x.segment<3>(3 * Eigen::Index(i));
+  return y;
+}
+
+// (A_i D_i + B_i)^-1; a row without a law and without stiffness stays 0
+ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const ContactMatrix::Blocks& B, const Eigen::VectorXd& diagonal) {
+  ContactMatrix::Blocks inverse;
+  for (std::size_t i = 0; i < A.size(); ++i) {
+    const Eigen::Vector3d D = diagonal.segment<3>(3 * Eigen::Index(i));
+    inverse.push_back((A[i] * D.asDiagonal() + B[i]).inverse());
+  }
+  return inverse;
+}
+
+// By LU, which is good for all but singular matrices; kernel vectors (motions that nothing holds) get the least norm.
+Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+  constexpr double kUseless = 1e-6;  // residual of a solution that is none
+  const Eigen::VectorXd x = solveByLu(A, b);
+  if (x.allFinite() && (A * x - b).norm() <= kUseless * b.norm()) return x;
+  return solveLeastSquares(A, b);
+}
+
+}  // namespace
+
+// Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
+ContactMatrix::ContactMatrix(RCP<const Operator> contactM, const DualVectors& vectors, Eigen::VectorXd diagonal, Kind kind,
+                             const SubspaceNewtonOptions::Condensed& options)
+    : M_(std::move(contactM)), vectors_(vectors), diagonal_(std::move(diagonal)), options_(options) {
+  for (double& value : diagonal_)
+    if (!(value > 0)) value = 1;
+  if (kind == Kind::Products) return;
+  const Eigen::Index mine = 3 * vectors.numPairs();
+  Eigen::Index end = 0;
+  Teuchos::scan(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
+  Teuchos::reduceAll(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(size_));
+  first_ = end - mine;
+  Eigen::MatrixXd rows(mine, size_);
+  for (Eigen::Index j = 0; j < size_; ++j) {
+    Eigen::VectorXd unit = Eigen::VectorXd::Zero(mine);
+    if (j >= first_ && j < end) unit[j - first_] = 1;
+    rows.col(j) = vectors.applyOnContact(*M_, unit);
+  }
+  dense_ = onAllRanks(rows);
+  // as M is, but for round-off and the single precision of its parts
+  dense_ = (0.5 * (dense_ + dense_.transpose())).eval();
+}
+
+// Every rank's rows, in the order of the ranks, by one sum of numbers that are 0 elsewhere.
+Eigen::MatrixXd ContactMatrix::onAllRanks(const Eigen::MatrixXd& mine) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size_, mine.cols());
+  all.middleRows(first_, mine.rows()) = mine;
+  vectors_.sum(all);
+  return all;
+}
+
+Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
+  if (dense_.size() == 0) return vectors_.applyOnContact(*M_, x);
+  return dense_.middleRows(first_, x.size()) * onAllRanks(x);
+}
+
+Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+  if (dense_.size() > 0) return solveDirectly(A, B, b);
+  const Blocks inverse = invertedBlocks(A, B, diagonal_);
+  return ContactEquations{
+      [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
+      [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.linearTolerance, options_.linearSteps}
+      .solveByGmres(vectors_, b);
+}
+
+Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
+  const Blocks one(K.size(), Eigen::Matrix3d::Identity());
+  if (dense_.size() > 0) return solveDirectly(one, K, b);
+  const Blocks inverse = invertedBlocks(one, K, diagonal_);
+  return ContactEquations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
+                                  [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); },
+                                  options_.pathLinearTolerance, options_.linearSteps}
+      .solveByCg(vectors_, b);
+}
+
+// The same system on every rank, from the rows of all.
+Eigen::VectorXd ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+  const Eigen::Index mine = b.size();
+  Eigen::MatrixXd rows(mine, size_ + 1);
+  rows << dense_.middleRows(first_, mine), b;
+  for (std::size_t i = 0; i < A.size(); ++i) {
+    const Eigen::Index at = 3 * Eigen::Index(i);
+    rows.block(at, 0, 3, size_) = (A[i] * rows.block(at, 0, 3, size_)).eval();
+    rows.block<3, 3>(at, first_ + at) += B[i];
+  }
+  Eigen::MatrixXd all = onAllRanks(rows);
+  for (Eigen::Index row = 0; row < size_; ++row) {
+    if (dense_(row, row) > 0) continue;  // else a row that is pinned or not there
+    all.row(row).setZero();
+    all(row, row) = 1;
+  }
+  return solveDense(all.leftCols(size_), all.col(size_)).segment(first_, mine);
+}
+
+// 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.
+// With S = diag(M)^-1/2, M^+ is taken as S (S M S)^+ S, whose rank does not depend on the stiffness of a pair.
+Eigen::VectorXd ContactMatrix::normalStiffness() const {
+  constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions and pinned rows
+  Eigen::VectorXd scale = dense_.diagonal();
+  for (double& value : scale) value = value > 0 ? 1 / std::sqrt(value) : 0.0;
+  const SymmetricEigen eigen(scale.asDiagonal() * dense_ * scale.asDiagonal());
+  Eigen::VectorXd stiffness(vectors_.numPairs());
+  for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
+    double compliance = 0;
+    for (Eigen::Index k = 0; k < size_; ++k)
+      if (eigen.values[k] > kFree * eigen.values[size_ - 1])
+        compliance += std::pow(scale[first_ + 3 * i] * eigen.vectors(first_ + 3 * i, k), 2) / eigen.values[k];
+    stiffness[i] = compliance > 0 ? 1 / compliance : 0.0;
+  }
+  return stiffness;
+}
+
+}  // namespace Haptos

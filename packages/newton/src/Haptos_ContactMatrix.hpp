@@ -1,0 +1,51 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "Haptos_DualVectors.hpp"
+#include "Haptos_SubspaceNewtonOptions.hpp"
+
+namespace Haptos {
+
+/// \brief M between contact rows as the condensed contact problem needs it: products, and solves with something of each pair added.
+///
+/// All vectors are this rank's contact values [3 pairs].
+class ContactMatrix {
+ public:
+  using Blocks = std::vector<Eigen::Matrix3d>;  ///< [pairs]
+
+  /// Dense: 3 x pairs applications of M now, the matrix on all ranks, direct solves: where M is slow, and so badly scaled that Krylov
+  /// methods fail (slender subdomains).  Products: nothing but products with M.
+  enum class Kind { Dense, Products };
+
+  /// \param diagonal [3 pairs] about M's, what is 0 counts as 1.  Collective.
+  ContactMatrix(RCP<const Operator> contactM, const DualVectors& vectors, Eigen::VectorXd diagonal, Kind kind,
+                const SubspaceNewtonOptions::Condensed& options);
+
+  Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;  ///< Collective
+
+  /// \brief (A M + B) d = b.  Collective.
+  Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  /// \brief (M + K) d = b, K symmetric and positive semidefinite.  Collective.
+  Eigen::VectorXd solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const;
+
+  /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one; 0 where
+  /// none is felt.  Dense only.
+  Eigen::VectorXd normalStiffness() const;
+
+  const DualVectors& vectors() const { return vectors_; }
+
+ private:
+  Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
+  Eigen::VectorXd solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+
+  RCP<const Operator> M_;
+  const DualVectors& vectors_;
+  Eigen::VectorXd diagonal_;
+  SubspaceNewtonOptions::Condensed options_;
+  Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
+  Eigen::MatrixXd dense_;              // [all contact values]^2, or empty
+};
+
+}  // namespace Haptos
