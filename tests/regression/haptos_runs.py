@@ -27,6 +27,7 @@ def main():
     parser.add_argument("--haptos", required=True)
     parser.add_argument("--counting", help="haptos with counters of MPI calls")
     parser.add_argument("--meshes")
+    parser.add_argument("--server", help="haptos_fuzz_server")
     parser.add_argument("--mpirun", default="mpirun --oversubscribe")
     _, rest = parser.parse_known_args(namespace=programs)
     unittest.main(argv=[sys.argv[0], *rest], verbosity=2)

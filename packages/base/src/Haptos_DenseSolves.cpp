@@ -35,6 +35,7 @@ Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) 
 Eigen::VectorXd solveByLu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.partialPivLu().solve(b); }
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {
+  if (A.size() == 0) return Eigen::VectorXd::Zero(A.cols());  // the decomposition looks for a largest column
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
   if (threshold > 0) qr.setThreshold(threshold);
   return qr.compute(A).solve(b);

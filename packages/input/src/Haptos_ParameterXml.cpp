@@ -4,6 +4,8 @@
 #include <Teuchos_ParameterList.hpp>
 #include <Teuchos_StringInputSource.hpp>
 #include <Teuchos_XMLObject.hpp>
+#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -19,6 +21,7 @@ namespace {
 using Teuchos::ParameterList;
 using Teuchos::XMLObject;
 
+constexpr int deepestNesting = 100;  // Teuchos' parser calls itself for every level, until the stack ends
 const std::vector<std::string> tagNames = {"ParameterList", "Parameter"};
 
 /// Teuchos puts its own file, line and condition before the message.
@@ -30,6 +33,18 @@ std::string parserMessage(const std::string& what) {
   return lastLine == std::string::npos ? what : trimmed(what).substr(lastLine + 1);
 }
 
+/// How deep elements lie in each other, by their tags alone; no less than the parser will find.
+int nesting(const std::string& text) {
+  int depth = 0, deepest = 0;
+  for (std::size_t at = text.find('<'); at != std::string::npos; at = text.find('<', at + 1)) {
+    if (text.compare(at, 2, "</") == 0)
+      --depth;
+    else if (const std::size_t end = text.find('>', at); end != std::string::npos && text[end - 1] != '/' && std::isalpha(static_cast<unsigned char>(text[at + 1])))
+      deepest = std::max(deepest, ++depth);
+  }
+  return deepest;
+}
+
 // Teuchos' parser stumbles over a byte order mark and over an empty text.
 XMLObject parseXml(const std::string& text, const std::string& origin) {
   const std::string byteOrderMark = "\xEF\xBB\xBF";
@@ -37,6 +52,8 @@ XMLObject parseXml(const std::string& text, const std::string& origin) {
   const std::string body = marked ? text.substr(byteOrderMark.size()) : text;
   if (trimmed(body).empty())
     throw InputError(origin + ": the file is empty; a ParameterList named \"Haptos\" is expected");
+  if (nesting(body) > deepestNesting)
+    throw InputError(origin + ": elements lie more than " + std::to_string(deepestNesting) + " deep in each other; parameters lie five deep");
   try {
     return Teuchos::StringInputSource(body).getObject();
   } catch (const std::exception& e) {
@@ -127,6 +144,8 @@ std::string readTextFile(const std::string& fileName) {
     throw InputError("input file '" + fileName + "' does not exist; give the path of an XML file");
   if (std::filesystem::is_directory(fileName, ignored))
     throw InputError("input file '" + fileName + "' is a folder; give the path of an XML file");
+  if (!std::filesystem::is_regular_file(fileName, ignored))  // a pipe may wait for ever
+    throw InputError("input file '" + fileName + "' is not a regular file; give the path of an XML file");
   std::ifstream file(fileName, std::ios::binary);
   std::ostringstream text;
   if (file.peek() != std::ifstream::traits_type::eof()) text << file.rdbuf();

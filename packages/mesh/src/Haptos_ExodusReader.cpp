@@ -88,6 +88,8 @@ class Reader {
   MeshShare read(bool mayBePart) {
     runOnAllRanks(comm_, [&] {
       requireWholeNetcdfFile(path_);
+      if (isHdf5(path_) && !survivesInChild([&] { Reader(comm_, path_).readAlone(); }, 20 + unsigned(1e-7 * fileBytes())))
+        refuse("reading it ends in a fault of the HDF5 library; the file is damaged.");
       open();
       if (!mayBePart && numParts() > 1)
         refuse("it is one of the " + std::to_string(numParts()) +
@@ -134,6 +136,19 @@ class Reader {
     return std::size_t(count);
   }
 
+  double fileBytes() const { return double(std::filesystem::file_size(path_)); }
+
+  /// All that `read` takes from the file, without the other ranks.
+  void readAlone() {
+    open();
+    readSizes();
+    readNumberMaps();
+    readCoordinates();
+    readBlocks();
+    readNodeSets();
+    readSideSets();
+  }
+
   void open() {
     file_ = std::make_unique<ExodusHandle>(openForReading(path_));
     if (!file_->isOpen())
@@ -141,7 +156,7 @@ class Reader {
           "it cannot be opened as an Exodus II file: it is cut short, damaged, or another kind of netCDF "
           "file.");
     // The largest compression of the formats is about a thousandfold.
-    largestCount_ = 1000.0 * double(std::filesystem::file_size(path_));
+    largestCount_ = 1000.0 * fileBytes();
   }
 
   int numParts() const {
@@ -218,9 +233,11 @@ class Reader {
     std::vector<Index> ids(std::size_t(count), 0);
     if (count > 0) require(ex_get_ids(file_->id(), type, ids.data()), "the numbers of the " + kind + "s");
     std::set<Index> seen;
-    for (const Index id : ids)
+    for (const Index id : ids) {
+      if (id < 0) refuse("a " + kind + " has the number " + std::to_string(id) + "; numbers are at least 0.");
       if (!seen.insert(id).second)
         refuse("the number " + std::to_string(id) + " is given to more than one " + kind + ".");
+    }
     return ids;
   }
 
@@ -269,13 +286,17 @@ class Reader {
   /// Sets the topology.
   Index readBlockSize(ElementBlock& block) const {
     const std::string what = "element block " + quoted(block.id, block.name);
-    ex_block info{};
+    // The library copies the name of the type whole, however long it is, over what follows it in memory.
+    const std::size_t longest = sizeof(ex_block) + std::size_t(fileBytes());
+    const std::unique_ptr<char[]> room(new char[longest]);
+    auto& info = *new (room.get()) ex_block{};
     info.id = block.id;
     info.type = EX_ELEM_BLOCK;
     require(ex_get_block_param(file_->id(), &info), what);
+    if (info.topology[MAX_STR_LENGTH] != '\0')
+      refuse("the elements of block " + std::to_string(block.id) + " are of a type with a name of more than 32 characters.");
     if (info.num_entry == 0) return 0;  // "NULL", or any type without elements
 
-    info.topology[MAX_STR_LENGTH] = '\0';
     int topology = 0;
     while (topology < kNumTopologies && !isNameOf(Topology(topology), info.topology, int(info.num_nodes_per_entry))) ++topology;
     if (topology == kNumTopologies)

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
 #include <string>
 
 namespace Haptos {
@@ -12,5 +13,14 @@ namespace Haptos {
 /// based on HDF5 only the signature is checked, since that library finds missing bytes by itself.
 /// \throws InputError  no such file, a folder, not readable, not netCDF, or cut short.
 void requireWholeNetcdfFile(const std::string& path);
+
+/// \brief Whether a file begins as one of the HDF5 library does.
+bool isHdf5(const std::string& path);
+
+/// \brief Whether `read` ends by itself in a copy of this process, within `seconds`; what it throws counts as an end.
+///
+/// A damaged file may end in a fault of the HDF5 library, or keep it looping: that shall be the copy's fate, not the run's.  The
+/// copy uses neither MPI nor what this process has open, writes nothing and ends without the exit functions.
+bool survivesInChild(const std::function<void()>& read, unsigned seconds);
 
 }  // namespace Haptos

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_Program.hpp"
+
+#include <mpi.h>
+
+#include <cstdio>
+#include <iostream>
+
+#include "Haptos_CommandLine.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
+#include "Haptos_Parameters.hpp"
+#include "Haptos_RunClock.hpp"
+#include "Haptos_RunOptions.hpp"
+#include "Haptos_Simulation.hpp"
+
+namespace Haptos {
+namespace {
+
+enum ExitStatus { kSolved = 0, kWrongInput = 1, kNotConverged = 2, kNoSolution = 3, kInternalError = 70 };
+
+void printResult(Progress& progress, const SimulationResult& result) {
+  const RunReport& report = result.report;
+  progress.finish();
+  progress.line(report.solver.status + ": kkt " + formatted("%.2e", report.accuracy.errors.kkt()) + " (tolerance " +
+                formatted("%.1e", report.tolerance) + ") after " + std::to_string(report.solver.hessianMultiplications) +
+                " multiplications by F (" + report.solver.method + ")");
+  if (!report.solver.reason.empty()) progress.warn(report.solver.reason);
+  for (std::size_t i = 0; i < report.interfaces.size(); ++i) {
+    const InterfaceResult& r = report.interfaces[i];
+    std::string force;
+    for (double component : r.tangentialForce) force += (force.empty() ? "" : ", ") + formatted("%.6g", component);
+    progress.line("contact '" + report.interfaceNames[i] + "': normal force " + formatted("%.6g", r.normalForce) + ", tangential force (" +
+                  force + "); " + std::to_string(r.stick) + " stick, " + std::to_string(r.slip) + " slip, " + std::to_string(r.open) + " open");
+  }
+}
+
+void printCosts(Progress& progress, const RunReport& report) {
+  char text[128];
+  std::string line = "time:";
+  for (std::size_t i = 0; i < numPhases; ++i) {
+    std::snprintf(text, sizeof text, " %s %.2f", phaseName(Phase(i)), report.times.seconds[i]);
+    line += text;
+  }
+  std::snprintf(text, sizeof text, ", total %.2f s", report.times.total);
+  progress.line(line + text);
+  line = "peak memory by rank [MB]:";
+  for (double mb : report.peakMemoryMb) {
+    std::snprintf(text, sizeof text, " %.0f", mb);
+    line += text;
+  }
+  progress.line(line);
+}
+
+int runSimulation(const RCP<const Communicator>& comm, const CommandLine& line) {
+  const auto parameters = readParameters(*comm, line);
+  Progress progress(*comm);
+  Simulation simulation(comm, parameters, &progress);
+  simulation.prepare();
+  if (line.validateOnly) {
+    const auto summary = runOptions(parameters).output.summary;
+    runOnRoot(*comm, [&] {
+      if (!summary.empty()) writeTextFile(summary, modelJson(simulation.report()));
+    });
+    progress.line("the input is valid; nothing was solved");
+    return kSolved;
+  }
+  SimulationResult result = simulation.solve();
+  printResult(progress, result);
+  simulation.write(result);
+  printCosts(progress, result.report);
+  return result.solved ? kSolved : kNotConverged;
+}
+
+int runCommand(const RCP<const Communicator>& comm, int argc, char* argv[]) {
+  const CommandLine line = parseCommandLine(argc, argv);
+  const bool prints = comm->getRank() == 0;
+  if (line.help || line.version || line.printParameters) {
+    if (prints) std::cout << (line.help ? helpText() : line.version ? versionText() + "\n" : printedParameters());
+    return kSolved;
+  }
+  return runSimulation(comm, line);
+}
+
+/// A message repeats what was given, which may be as long as it likes.
+std::string shortened(const std::string& message) {
+  constexpr std::size_t most = 1000;
+  return message.size() <= most ? message : message.substr(0, most / 2) + " [...] " + message.substr(message.size() - most / 2);
+}
+
+}  // namespace
+
+int runProgram(const RCP<const Communicator>& comm, int argc, char* argv[]) {
+  const auto report = [&](const char* kind, const std::exception& e) {
+    if (comm->getRank() == 0) std::cerr << "haptos: " << kind << shortened(e.what()) << std::endl;
+  };
+  try {
+    return runCommand(comm, argc, argv);
+  } catch (const InputError& e) {  // thrown on all ranks
+    report("", e);
+    return kWrongInput;
+  } catch (const InsufficientModel& e) {  // thrown on all ranks
+    report("", e);
+    return kNoSolution;
+  } catch (const CollectiveError& e) {  // thrown on all ranks
+    report("internal error: ", e);
+    return kInternalError;
+  } catch (const std::exception& e) {  // may have been thrown on one rank alone
+    std::cerr << "haptos: internal error on rank " << comm->getRank() << ": " << e.what() << std::endl;
+    if (comm->getSize() > 1) MPI_Abort(MPI_COMM_WORLD, kInternalError);
+    return kInternalError;
+  }
+}
+
+}  // namespace Haptos
