@@ -33,13 +33,17 @@ RowGram::RowGram(const MultiplierMap& multipliers, bool stiffnessScaling)
   for (std::size_t i = 0; i < nodes.size(); ++i) {
     const NodeRows& node = nodes[i];
     const bool isCoupled = coupled < pairs_.nodes().size() && pairs_.nodes()[coupled] == int(i);
-    blocks_.push_back({node.gluing, node.copies, node.dirichlet, H_.size(), isCoupled ? int(coupled++) : -1});
+    blocks_.push_back({node.gluing, node.copies, node.dirichlet, G_.size(), isCoupled ? int(coupled++) : -1});
     mostCopies_ = std::max(mostCopies_, std::size_t(node.copies));
     const Eigen::MatrixXd Q = orthonormalBasis(node.copies);
     Eigen::VectorXd K = Eigen::VectorXd::Ones(node.copies);
     if (stiffnessScaling) K = Eigen::Map<const Eigen::VectorXd>(multipliers.copyStiffness().data() + node.first, node.copies);
     const Eigen::MatrixXd H = Q * K.asDiagonal() * Q.transpose();
-    H_.insert(H_.end(), H.data(), H.data() + H.size());
+    const int m = node.copies - 1;
+    if (m < 0) continue;
+    const Eigen::MatrixXd G = H.topLeftCorner(m, m) - H.col(m).head(m) * H.row(m).head(m) / H(m, m);
+    G_.insert(G_.end(), G.data(), G.data() + G.size());
+    G_.insert(G_.end(), H.col(m).data(), H.col(m).data() + node.copies);
   }
 }
 
@@ -58,30 +62,32 @@ void RowGram::collectMeans(const double* x, Eigen::VectorXd& z) const {
   }
 }
 
-void RowGram::applyBlock(const Block& block, const Eigen::VectorXd& g, const double* x, double* y, double* v) const {
-  const int mu = block.copies, m = mu - 1;
-  if (mu == 0) {
-    for (int row : block.dirichlet)
-      if (row >= 0) y[row] = 0;  // no element has the node
-    return;
+// y_g := G x_g, all three components at once
+void RowGram::applyGluing(const Block& block, const double* x, double* y) const {
+  const int m = block.copies - 1;
+  const double* G = G_.data() + block.at;
+  for (int i = 0; i < m; ++i, G += m) {
+    double sum[3] = {0, 0, 0};
+    for (int j = 0; j < m; ++j)
+      for (int d = 0; d < 3; ++d) sum[d] += G[j] * x[3 * j + d];
+    for (int d = 0; d < 3; ++d) y[block.gluing + 3 * i + d] = sum[d];
   }
-  const double* H = H_.data() + block.at;
+}
+
+// What e adds: with pairs y_g += q g; with a Dirichlet row H_gg = G + H_ge H_eg / h_ee, and its own product.
+void RowGram::addMean(const Block& block, const Eigen::VectorXd& g, const double* gluing, const double* x, double* y) const {
+  const int m = block.copies - 1;
   const double* h = edge(block);
   for (int d = 0; d < 3; ++d) {
     const int dirichlet = block.dirichlet[std::size_t(d)];
-    for (int j = 0; j < m; ++j) v[j] = x[block.gluing + 3 * j + d];
+    double factor = block.coupled < 0 ? 0.0 : g[3 * block.coupled + d] / (h[m] * std::sqrt(double(block.copies)));
     if (dirichlet >= 0) {
-      v[m] = x[dirichlet];
-    } else {  // (H_gg - H_ge H_eg / h_ee) x_g + q g  is  H_gg x_g + H_ge (last entry)
-      v[m] = block.coupled < 0 ? 0.0 : g[3 * block.coupled + d] / (h[m] * std::sqrt(double(mu)));
-      for (int j = 0; j < m; ++j) v[m] -= h[j] * v[j] / h[m];
+      double product = h[m] * x[dirichlet];
+      for (int j = 0; j < m; ++j) product += h[j] * gluing[3 * j + d];
+      y[dirichlet] = product;
+      factor = product / h[m];
     }
-    for (int i = 0; i < mu; ++i) {
-      if (i == m && dirichlet < 0) break;
-      double sum = 0;
-      for (int j = 0; j < mu; ++j) sum += H[i * mu + j] * v[j];
-      y[i < m ? block.gluing + 3 * i + d : dirichlet] = sum;
-    }
+    for (int i = 0; i < m; ++i) y[block.gluing + 3 * i + d] += h[i] * factor;
   }
 }
 
@@ -93,8 +99,17 @@ void RowGram::applyTo(const double* x, double* y) const {
   for (std::size_t i = 0; i < rows.size(); ++i) contact[Eigen::Index(i)] = x[rows[i]];
   collectMeans(x, g);
   pairs_.solve(contact, g);
-  std::vector<double> scratch(mostCopies_);
-  for (const Block& block : blocks_) applyBlock(block, g, x, y, scratch.data());
+  std::vector<double> gluing(3 * mostCopies_);  // y may be x
+  for (const Block& block : blocks_) {
+    if (block.copies == 0) {  // no element has the node
+      for (int row : block.dirichlet)
+        if (row >= 0) y[row] = 0;
+      continue;
+    }
+    if (block.copies > 1) std::copy_n(x + block.gluing, 3 * (block.copies - 1), gluing.data());
+    applyGluing(block, gluing.data(), y);
+    if (!block.gluesOnly()) addMean(block, g, gluing.data(), x, y);
+  }
   for (std::size_t i = 0; i < rows.size(); ++i) y[rows[i]] = contact[Eigen::Index(i)];
 }
 
@@ -119,14 +134,14 @@ Eigen::VectorXd RowGram::diagonal() const {
   for (const Block& block : blocks_) {
     const int mu = block.copies, m = mu - 1;
     for (int d = 0; d < 3 && mu > 0; ++d) {
-      const double* H = H_.data() + block.at;
+      const double* G = G_.data() + block.at;
       const double* h = edge(block);
       const int dirichlet = block.dirichlet[std::size_t(d)];
       if (dirichlet >= 0) result[dirichlet] = h[m];
       for (int i = 0; i < m; ++i) {
-        double value = H[i * mu + i];
+        double value = G[i * m + i];
         const double q = h[i] / h[m];
-        if (dirichlet < 0) value -= h[i] * q;
+        if (dirichlet >= 0) value += h[i] * q;
         if (dirichlet < 0 && block.coupled >= 0) value += q * q / mu * pairs_.nodeDiagonal()[3 * block.coupled + d];
         result[block.gluing + 3 * i + d] = value;
       }

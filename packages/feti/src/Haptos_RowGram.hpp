@@ -13,7 +13,7 @@ namespace Haptos {
 /// is the inverse of that basis' Gram matrix.  A prescribed component has the Dirichlet row e: y = H x.  Rows of pairs act on
 /// e alone, as C / sqrt(mu); the gluing rows of the others are eliminated, which leaves S (`CouplingGram`):
 ///
-///   q = H_ge / (h_ee sqrt(mu)),   y_c = S^-1 (x_c + C q^T x_g),   y_g = (H_gg - H_ge H_eg / h_ee) x_g + q C^T y_c
+///   q = H_ge / (h_ee sqrt(mu)),   y_c = S^-1 (x_c + C q^T x_g),   y_g = G x_g + q C^T y_c,   G = H_gg - H_ge H_eg / h_ee
 ///
 /// An empty (pinned) row gives zero.  Source: Rixen and Farhat 1999 (scaling); decision 023-rows-of-pairs-on-nodes.
 class RowGram {
@@ -32,22 +32,24 @@ class RowGram {
   Eigen::VectorXd diagonal() const;
 
  private:
-  // One node: H is [copies x copies] from `at` on.
+  // One node: from `at` on G, [copies - 1] squared, and the last row of H, [copies].
   struct Block {
     int gluing, copies;
     std::array<int, 3> dirichlet;
     std::size_t at;
     int coupled;  // position among CouplingGram's nodes; -1: no pair acts on it
+    bool gluesOnly() const { return coupled < 0 && dirichlet[0] < 0 && dirichlet[1] < 0 && dirichlet[2] < 0; }
   };
 
-  const double* edge(const Block& block) const { return H_.data() + block.at + std::size_t(block.copies) * std::size_t(block.copies - 1); }
+  const double* edge(const Block& block) const { return G_.data() + block.at + std::size_t(block.copies - 1) * std::size_t(block.copies - 1); }
   void collectMeans(const double* x, Eigen::VectorXd& z) const;
-  void applyBlock(const Block& block, const Eigen::VectorXd& g, const double* x, double* y, double* scratch) const;
+  void applyGluing(const Block& block, const double* x, double* y) const;
+  void addMean(const Block& block, const Eigen::VectorXd& g, const double* gluing, const double* x, double* y) const;
   void applyTo(const double* x, double* y) const;
 
   CouplingGram pairs_;
   std::vector<Block> blocks_;
-  std::vector<double> H_;
+  std::vector<double> G_;
   std::size_t mostCopies_ = 1;
   Eigen::Index numRows_;
 };
