@@ -96,7 +96,7 @@ struct ExodusWriter::File {
   }
 
   [[noreturn]] void fail(const std::string& what) const {
-    throw std::runtime_error("Result file '" + path_ + "' " + what + "; is there space left on the disk?");
+    throw InputError("Result file '" + path_ + "' " + what + "; is there space left on the disk?");
   }
   void require(int status, const char* what) const {
     if (status < 0) fail(std::string("cannot be written (") + what + ")");

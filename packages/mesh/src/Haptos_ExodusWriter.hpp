@@ -31,7 +31,7 @@ class ExodusWriter {
 
   /// Writes the mesh; only its sizes are kept.
   /// \throws InputError      the folder is missing or not writable, or `path` is a folder.
-  /// \throws CollectiveError the file cannot be written (disk full, say).
+  /// \throws InputError the file cannot be written (disk full, say).
   ExodusWriter(RCP<const Communicator> comm, const std::string& path, const MeshShare& mesh);
 
   /// Removes the temporary file unless `close` was called.
@@ -40,11 +40,11 @@ class ExodusWriter {
   ExodusWriter& operator=(const ExodusWriter&) = delete;
 
   /// Appends a step.  The first one fixes the names of the fields and their order.
-  /// \throws CollectiveError other names than in the first step, an array of the wrong length, or the file cannot be written.
+  /// \throws CollectiveError other names than in the first step, an array of the wrong length; InputError the file cannot be written.
   void writeStep(double time, const ResultFields& fields);
 
   /// Finishes the file and gives it its name; an older file of that name is replaced.
-  /// \throws CollectiveError the file cannot be written.
+  /// \throws InputError the file cannot be written.
   void close();
 
  private:

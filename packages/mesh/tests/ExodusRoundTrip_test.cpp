@@ -243,7 +243,7 @@ TEUCHOS_UNIT_TEST(Exodus, FullDiskIsReportedAndLeavesNothing) {
   if (world().getRank() == 0) setrlimit(RLIMIT_FSIZE, &small);
   try {
     writeResults(worldComm(), folder.file("full.exo"), mesh);
-  } catch (const CollectiveError& e) {
+  } catch (const InputError& e) {
     message = e.what();
   }
   setrlimit(RLIMIT_FSIZE, &before);
