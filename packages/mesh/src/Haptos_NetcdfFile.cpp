@@ -13,6 +13,9 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "Haptos_Error.hpp"
@@ -22,6 +25,35 @@ namespace {
 
 [[noreturn]] void refuse(const std::string& path, const std::string& what) {
   throw InputError("Mesh file '" + path + "': " + what);
+}
+
+/// \brief The dimensions that a variable of Exodus must have, by its name; '#' is the number behind that, "*" any, {} is not asked for.
+///
+/// That library reads a variable into the room for its own dimensions, and does not look whether it has those.
+std::vector<std::string> dimensionsOf(const std::string& variable) {
+  static const std::map<std::string, std::vector<std::string>> wanted = {
+      {"coordx", {"num_nodes"}},           {"coordy", {"num_nodes"}},        {"coordz", {"num_nodes"}},
+      {"coord", {"num_dim", "num_nodes"}}, {"coor_names", {"num_dim", "*"}}, {"connect", {"num_el_in_blk#", "num_nod_per_el#"}},
+      {"eb_prop", {"num_el_blk"}},         {"eb_status", {"num_el_blk"}},    {"eb_names", {"num_el_blk", "*"}},
+      {"ss_prop", {"num_side_sets"}},      {"ss_status", {"num_side_sets"}}, {"ss_names", {"num_side_sets", "*"}},
+      {"ns_prop", {"num_node_sets"}},      {"ns_status", {"num_node_sets"}}, {"ns_names", {"num_node_sets", "*"}},
+      {"elem_ss", {"num_side_ss#"}},       {"side_ss", {"num_side_ss#"}},    {"node_ns", {"num_nod_ns#"}},
+      {"node_num_map", {"num_nodes"}},     {"elem_num_map", {"num_elem"}},   {"node_map", {"num_nodes"}},
+      {"elem_map", {"num_elem"}}};
+  const auto end = variable.find_last_not_of("0123456789") + 1;
+  const auto found = wanted.find(variable.substr(0, end));
+  if (found == wanted.end()) return {};
+  auto names = found->second;
+  for (auto& name : names)
+    if (name.back() == '#') name.replace(name.size() - 1, 1, variable.substr(end));
+  return names;
+}
+
+/// Attributes for which the library has room for one value.
+bool isOneValue(const std::string& attribute) {
+  static const std::set<std::string> names = {"api_version", "version", "floating_point_word_size", "file_size", "maximum_name_length",
+                                              "int64_status"};
+  return names.count(attribute) > 0;
 }
 
 /// \brief Header of a classic netCDF file: how many bytes the file must have at least.
@@ -81,31 +113,42 @@ class ClassicHeader {
   void readDimensions() {
     const double n = listLength();
     for (double i = 0; i < n && in_ && sane_; ++i) {
-      skipPadded(count());
-      dimensions_.push_back(count());
+      auto name = readName();
+      dimensions_.emplace_back(std::move(name), count());
     }
   }
   void skipAttributes() {
     const double n = listLength();
     for (double i = 0; i < n && in_ && sane_; ++i) {
-      skipPadded(count());
-      const double bytes = bytesOfType();
-      skipPadded(bytes * count());
+      const std::string name = readName();
+      const double bytes = bytesOfType(), values = count();
+      if (isOneValue(name) && values != 1) sane_ = false;
+      skipPadded(bytes * values);
     }
   }
   void readVariables() {
     const double n = listLength();
     for (double i = 0; i < n && in_ && sane_; ++i) readVariable();
   }
+  std::string readName() {
+    const double bytes = count();
+    if (bytes > fileSize_) sane_ = false;
+    if (!sane_ || !in_) return {};
+    std::string name((std::size_t(bytes) + 3) / 4 * 4, '\0');
+    in_.read(name.data(), std::streamsize(name.size()));
+    return name.substr(0, std::size_t(bytes));
+  }
   void readVariable() {
-    skipPadded(count());
+    const auto wanted = dimensionsOf(readName());
     Variable v{1.0, 0.0, false};
     const double rank = count();
+    if (!wanted.empty() && rank != double(wanted.size())) sane_ = false;
     for (double i = 0; i < rank && in_ && sane_; ++i) {
       const double id = count();
       if (id >= double(dimensions_.size())) sane_ = false;
       if (!sane_) return;
-      const double length = dimensions_[std::size_t(id)];
+      const auto& [name, length] = dimensions_[std::size_t(id)];
+      if (!wanted.empty() && wanted[std::size_t(i)] != "*" && wanted[std::size_t(i)] != name) sane_ = false;
       if (i == 0 && length == 0)
         v.perRecord = true;  // length 0 marks the record dimension
       else
@@ -135,7 +178,7 @@ class ClassicHeader {
   int version_;
   double fileSize_, numRecords_ = 0.0;
   bool sane_ = true;
-  std::vector<double> dimensions_;
+  std::vector<std::pair<std::string, double>> dimensions_;
   std::vector<Variable> variables_;
 };
 
