@@ -49,6 +49,16 @@ void addComponents(const Eigen::SparseMatrix<double>& K, Eigen::MatrixX3d& sums)
 // An assignment of nothing would keep the memory.
 void letGo(Eigen::SparseMatrix<double>& K) { Eigen::SparseMatrix<double>().swap(K); }
 
+double largestEntry(const Eigen::SparseMatrix<double>& K) { return K.coeffs().abs().maxCoeff(); }
+
+// Of matrices with as many entries, before all of them are looked at: where nothing is congruent there are many pairs.
+bool differAtOnce(const Eigen::SparseMatrix<double>& A, const Eigen::SparseMatrix<double>& B, double largest) {
+  const Eigen::Index n = A.nonZeros();
+  for (Eigen::Index k : {Eigen::Index(0), n / 2, n - 1})
+    if (std::abs(A.valuePtr()[k] - B.valuePtr()[k]) > 2 * kCongruenceTolerance * largest) return true;
+  return false;
+}
+
 bool congruent(const LocalSystem& a, const LocalSystem& b) {
   if (!samePattern(a.K, b.K)) return false;
   const Eigen::Map<const Eigen::VectorXd> va(a.K.valuePtr(), a.K.nonZeros()), vb(b.K.valuePtr(), b.K.nonZeros());
@@ -89,8 +99,10 @@ void LocalSystems::findClasses() {
     int found = copyOf_[i] >= 0 ? systems_[copyOf_[i]].congruenceClass : -1;
     if (found < 0) {
       auto& candidates = bySize[{systems_[i].K.rows(), systems_[i].K.nonZeros()}];
+      const double largest = candidates.empty() ? 0.0 : largestEntry(systems_[i].K);
       for (int c : candidates)
-        if (congruent(systems_[representative_[c]], systems_[i])) {
+        if (!differAtOnce(systems_[representative_[c]].K, systems_[i].K, largest) &&
+            congruent(systems_[representative_[c]], systems_[i])) {
           found = c;
           copyOf_[i] = representative_[c];
           letGo(systems_[i].K);

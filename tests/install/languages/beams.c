@@ -109,7 +109,8 @@ static void add_pairs(haptos_system* s, double gap) {
     }
 }
 
-/* A quarter of the load of every face on each of its nodes: pressure 100 on top, traction (20, 20, 0) at the end. */
+/* A quarter of the load of every face on each of its nodes: pressure 100 on top, traction (20, 20, 0) at the end.  Every rank brings its
+   share of all of them. */
 static void set_loads(haptos_system* s, double factor) {
   static int64_t nodes[4 * (NX * M + M * M)];
   static double forces[4 * (NX * M + M * M)][3];
@@ -152,10 +153,10 @@ static scene pose(MPI_Comm comm, const char* parameters, double gap) {
       ++s.count;
     }
   CHECK(haptos_add_interface(s.system, "joint", &coulomb, &interface) == HAPTOS_OK && interface == 0);
+  set_loads(s.system, 1.0 / ranks);
   if (here != ranks - 1) return s;
   add_supports(s.system);
   add_pairs(s.system, gap);
-  set_loads(s.system, 1);
   return s;
 }
 
@@ -219,11 +220,11 @@ static void try_changes(scene* s) {
   double gap = 1e-3;
   const haptos_friction weak = {HAPTOS_COULOMB, {0.05, 0.02}, 0};
   CHECK(haptos_count(s->system, &before) == HAPTOS_OK && before.factorizations > 0 && before.rows > 0);
-  if (rank == size - 1) set_loads(s->system, 2); /* all is homogeneous */
+  set_loads(s->system, 2.0 / size); /* all is homogeneous */
   solve(s->system);
   CHECK(differs(s->system, field, 2) < 1e-8);
+  set_loads(s->system, 1.0 / size);
   if (rank == size - 1) {
-    set_loads(s->system, 1);
     for (pair = 0; pair < (NX + 1) * (M + 1); ++pair)
       if (pair % (NX + 1)) CHECK(haptos_set_gaps(s->system, 1, &pair, &gap) == HAPTOS_OK); /* where nothing is held */
   }
@@ -271,7 +272,7 @@ static void try_mistakes(scene* s) {
   CHECK(haptos_solve(s->system, NULL) == HAPTOS_INPUT_ERROR && says(s->system, "not finite"));
   if (rank == size - 1) haptos_set_loads(s->system, 1, &nowhere, normal);
   CHECK(haptos_solve(s->system, NULL) == HAPTOS_INPUT_ERROR && says(s->system, "999999"));
-  if (rank == size - 1) set_loads(s->system, 1);
+  set_loads(s->system, 1.0 / size);
   solve(s->system);
   CHECK(differs(s->system, field, 1) < 1e-9);
 }

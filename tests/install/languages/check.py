@@ -3,7 +3,7 @@
 """Installs a build, builds programs in C and Fortran on the installed copy, runs them and the Python example on one and two ranks, and
 compares what all of them find with the program `haptos` of the copy on the same beams, whose model comes from XML.
 
-    check.py --build FOLDER --cmake CMAKE --generator NAME --mpirun "mpirun --oversubscribe"
+    check.py --build FOLDER --cmake CMAKE --generator NAME --mpirun "mpirun --oversubscribe" [--flags="-fsanitize=address"]
 """
 import argparse
 import os
@@ -61,8 +61,17 @@ def check_symbols(library):
         sys.exit(f"{library} exports {len(symbols)} functions, among them {others[:5]}")
 
 
-def check_python(prefix, mpirun, work, expected):
-    example, environment = prefix / "share/haptos/python/example_beams.py", {"PYTHONPATH": str(prefix / "share/haptos/python")}
+def environment_of_python(prefix, flags):
+    """A sanitised library wants its sanitiser before all others; Python itself leaks."""
+    environment = {"PYTHONPATH": str(prefix / "share/haptos/python")}
+    if "address" in flags:
+        runtime = [run("gcc", f"-print-file-name=lib{name}.so").strip() for name in ("asan", "ubsan")]
+        environment.update(LD_PRELOAD=" ".join(runtime), ASAN_OPTIONS="detect_leaks=0")
+    return environment
+
+
+def check_python(prefix, mpirun, work, expected, environment):
+    example = prefix / "share/haptos/python/example_beams.py"
     arguments = [sys.executable, example, "--tolerance", "1e-11", "--displacements"]
     print(run(*arguments, work / "python_1.txt", "--plot", work / "pressure.png", **environment).strip())
     compare("Python", work / "python_1.txt", expected)
@@ -82,6 +91,7 @@ def main():
     parser = argparse.ArgumentParser()
     for name in ("build", "cmake", "generator", "mpirun"):
         parser.add_argument("--" + name, required=True)
+    parser.add_argument("--flags", default="", help="of the compilers")
     arguments = parser.parse_args()
     mpirun = arguments.mpirun.replace(";", " ").split()
     with tempfile.TemporaryDirectory() as folder:
@@ -89,7 +99,8 @@ def main():
         prefix = work / "installed copy"
         run(arguments.cmake, "--install", arguments.build, "--prefix", prefix)
         shutil.copytree(HERE, work / "source")
-        run(arguments.cmake, "-S", work / "source", "-B", work / "build", "-G", arguments.generator, f"-DCMAKE_PREFIX_PATH={prefix}")
+        run(arguments.cmake, "-S", work / "source", "-B", work / "build", "-G", arguments.generator, f"-DCMAKE_PREFIX_PATH={prefix}",
+            *(f"-DCMAKE_{language}_FLAGS={arguments.flags}" for language in ("C", "Fortran")))
         run(arguments.cmake, "--build", work / "build")
         check_symbols(prefix / "lib/libhaptos_c.so")
         run(*mpirun, "-n", "1", prefix / "bin/haptos", HERE / "beams.xml", "--output", work / "xml.exo")
@@ -101,7 +112,7 @@ def main():
             for ranks in (1, 2):
                 print(run(*mpirun, "-n", ranks, work / "build" / program, work / f"{program}_{ranks}.txt").strip())
                 compare(f"{program} on {ranks} ranks", work / f"{program}_{ranks}.txt", expected)
-        check_python(prefix, mpirun, work, expected)
+        check_python(prefix, mpirun, work, expected, environment_of_python(prefix, arguments.flags))
     print("all languages find the same")
 
 

@@ -40,6 +40,16 @@ def merged(beam):
     return np.searchsorted(rows, np.arange(n + 1)), columns, K[rows, columns]
 
 
+def rigid_motions(beam):
+    """[3 n, 6]"""
+    R = np.zeros((len(beam.ids), 3, 6))
+    for d in range(3):
+        R[:, d, d] = 1
+        R[:, (d + 1) % 3, 3 + d] = -beam.coordinates[:, (d + 2) % 3]
+        R[:, (d + 2) % 3, 3 + d] = beam.coordinates[:, (d + 1) % 3]
+    return R.reshape(-1, 6)
+
+
 def posed(parameters, comm, here, ranks):
     system = haptos.ContactSystem(parameters, comm)
     contact, _ = beams.pose(system, lower, upper, here, ranks)
@@ -59,7 +69,7 @@ assert len(system.multipliers()) > 0
 with haptos.ContactSystem(TIGHT) as alone:
     joint = alone.add_interface("joint", "Coulomb", beams.COEFFICIENTS)
     for body, beam in enumerate((lower, upper)):
-        alone.add_subdomain(body, beam.ids, beam.coordinates, merged(beam))
+        alone.add_subdomain(body, beam.ids, beam.coordinates, merged(beam), rigid_motions(beam) if body == 0 else None)
         alone.prescribe(beam.face(0, False)[0], [0, 1, 2])
     upper_nodes, areas = upper.face(2, False)
     lower_nodes = lower.face(2, True)[0]
@@ -89,6 +99,9 @@ assert np.abs(system.contact_forces()[:, 1:]).max(initial=0) == 0
 
 # Mistakes, and the call after them.
 refused(ValueError, "coordinates", lambda: system.add_subdomain(0, [1, 2], np.zeros((3, 3)), None))
+with haptos.ContactSystem() as wrong:
+    wrong.add_subdomain(0, lower.ids, lower.coordinates, merged(lower), rigid_motions(lower)[:, :5] + 1e-3 * lower.coordinates.reshape(-1, 1))
+    refused(haptos.InputError, "kernel", wrong.set_up)
 refused(ValueError, "'Colomb'", lambda: system.add_interface("x", "Colomb"))
 refused(haptos.InputError, "Relative Tolerance", lambda: haptos.ContactSystem({"Solver": {"Relative Tolerence": 1e-3}}, world))
 if rank == 0:

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // A stranger's elasticity problem, solved by whatever Stratimikos is told to: every argument is a file of its parameters.
-//   solvers [--bricks p] [--cubes k] [--tolerance t] FILE.xml...
-// A block of k x k x k cubes of p x p x p bricks each, held at x = 0 and loaded by its weight.  Solvers of merged matrices get the
-// merged matrix, Haptos its cubes; what they find, their iterations and seconds (of this processor) are printed side by side.
+//   solvers [--bricks p] [--cubes k] [--tolerance t] [--alike] FILE.xml...
+// A block of k x k x k cubes of p x p x p bricks each, held at x = 0 and loaded by its weight.  Every cube has a stiffness of its own,
+// unless they are alike.  Solvers of merged matrices get the merged matrix, Haptos its cubes; what they find, their iterations and the
+// processor's seconds are printed side by side.
 #include <Haptos_Stratimikos.hpp>
 #include <Haptos_SubdomainMatrix.hpp>
 #include <Stratimikos_MueLuHelpers.hpp>
@@ -58,10 +59,11 @@ Eigen::Matrix<double, 24, 24> makeBrick(double h) {
 
 class Block {
  public:
-  Block(const RCP<const Haptos::Communicator>& comm, int p, int k) : comm_(comm), p_(p), k_(k), brick_(makeBrick(1.0 / (p * k))) {
+  Block(const RCP<const Haptos::Communicator>& comm, int p, int k, bool areAlike)
+      : comm_(comm), p_(p), k_(k), brick_(makeBrick(1.0 / (p * k))) {
     std::vector<Haptos::SubdomainInput> cubes;
     for (int c = 0; c < k * k * k; ++c)
-      if (c % comm->getSize() == comm->getRank()) addCube({c % k, c / k % k, c / (k * k)});
+      if (c % comm->getSize() == comm->getRank()) addCube({c % k, c / k % k, c / (k * k)}, areAlike ? 1.0 : 1 + 0.5 * std::sin(1.3 * c));
     for (const auto& cube : cubes_) {
       cubes.push_back({0, Teuchos::arrayViewFromVector(cube.nodes), Teuchos::arrayViewFromVector(cube.places), cube.K});
       for (std::size_t i = 0; i < cube.nodes.size(); ++i)
@@ -91,14 +93,16 @@ class Block {
 
  private:
   struct Cube {
+    double factor;  // of the stiffness
     std::vector<GlobalOrdinal> nodes;
     std::vector<double> places;
     std::vector<std::array<int, 8>> elements;  // local nodes
     RCP<CrsMatrix> K;
   };
 
-  void addCube(const std::array<int, 3>& at) {
+  void addCube(const std::array<int, 3>& at, double factor) {
     Cube cube;
+    cube.factor = factor;
     const int n = p_ + 1, all = p_ * k_ + 1;
     const auto local = [&](int i, int j, int l) { return (l * n + j) * n + i; };
     for (int l = 0; l < n; ++l)
@@ -120,10 +124,11 @@ class Block {
 
   template <class Number>
   void assemble(const Cube& cube, CrsMatrix& K, Number&& number) const {
+    const Eigen::Matrix<double, 24, 24> brick = cube.factor * brick_;
     for (const auto& element : cube.elements) {
       std::array<GlobalOrdinal, 24> unknowns;
       for (int i = 0; i < 24; ++i) unknowns[i] = 3 * number(element[i / 3]) + i % 3;
-      for (int i = 0; i < 24; ++i) K.insertGlobalValues(unknowns[i], 24, brick_.col(i).data(), unknowns.data());
+      for (int i = 0; i < 24; ++i) K.insertGlobalValues(unknowns[i], 24, brick.col(i).data(), unknowns.data());
     }
   }
 
@@ -281,15 +286,17 @@ int main(int argc, char* argv[]) {
   const auto comm = world->split(world->getRank() < 2 ? 0 : -1, world->getRank());  // the others have something else to do
   if (comm.is_null()) return 0;
   int p = 4, k = 2;
+  bool areAlike = false;
   std::vector<std::string> files;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--bricks") p = std::stoi(argv[++i]);
     else if (argument == "--cubes") k = std::stoi(argv[++i]);
     else if (argument == "--tolerance") tolerance = std::stod(argv[++i]);
+    else if (argument == "--alike") areAlike = true;
     else files.push_back(argument);
   }
-  Block block(comm, p, k);
+  Block block(comm, p, k, areAlike);
   RCP<Vector> first;
   for (const auto& file : files) {
     const Result result = run(file, block);
