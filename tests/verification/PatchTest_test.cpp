@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "Haptos_CellMesh.hpp"
 #include "Haptos_ContactPairs.hpp"
 #include "ScenarioBuilder.hpp"
 
@@ -23,7 +24,7 @@ Mesh stackedBlocks(const std::array<int, 2>& divisions, Topology topology, const
   lower.upper = {1.0, 1.5, kHeight1};
   lower.divisions = {divisions[0], divisions[0] + 1, 2};
   lower.sideSetNames = {"x-", "", "y-", "", "bottom", "lower_contact"};
-  lower.topology = topology;
+  lower.topology = topology == Topology::Tet4 ? topology : Topology::Hex8;
   lower.map = map;
   upper = lower;
   upper.blockName = "upper";
@@ -31,7 +32,8 @@ Mesh stackedBlocks(const std::array<int, 2>& divisions, Topology topology, const
   upper.upper = {1.0, 1.5, kHeight1 + kHeight2};
   upper.divisions = {divisions[1], divisions[1] + 1, 2};
   upper.sideSetNames = {"x-", "", "y-", "", "upper_contact", "top"};
-  return makeBoxes({lower, upper});
+  const Mesh mesh = makeBoxes({lower, upper});
+  return topology == Topology::Hex8 || topology == Topology::Tet4 ? mesh : withElements(mesh, topology);
 }
 
 ScenarioBuilder patch(Mesh mesh) {
@@ -88,10 +90,9 @@ void checkPatch(const ScenarioBuilder& scene, Teuchos::FancyOStream& out, bool& 
   const auto areas = tributaryAreas(mesh, "upper_contact");
   const double uMax = std::abs(exactUz(kHeight1 + kHeight2, true));
   double uError = 0, forceError = 0, largest = 0, smallest = 1e300;
-  const std::size_t upperFirst = std::size_t(*std::min_element(mesh.blocks[1].connectivity.begin(), mesh.blocks[1].connectivity.end()));
   for (std::size_t i = 0; 3 * i < result.displacement.size(); ++i) {
     const double* u = &result.displacement[3 * i];
-    const double e = exactUz(mesh.coordinates[i][2], i >= upperFirst);
+    const double e = exactUz(mesh.coordinates[i][2], mesh.coordinates[i][2] > kHeight1);
     uError = std::max({uError, std::abs(u[2] - e) / uMax, std::abs(u[0]) / uMax, std::abs(u[1]) / uMax});
   }
   for (const auto& pair : result.pairs) {
@@ -143,6 +144,12 @@ TEUCHOS_UNIT_TEST(PatchTest, SkewedMesh) {
 
 TEUCHOS_UNIT_TEST(PatchTest, SkewedTetrahedra) {
   checkPatch(patch(stackedBlocks({3, 3}, Topology::Tet4, skewAcross)).decomposition("METIS", 6), out, success);
+}
+
+// The faces of pyramids' bases and of wedges, triangles.
+TEUCHOS_UNIT_TEST(PatchTest, SkewedPyramidsAndWedges) {
+  for (const auto topology : {Topology::Pyramid5, Topology::Wedge6})
+    checkPatch(patch(stackedBlocks({3, 3}, topology, skewAcross)).decomposition("METIS", 6), out, success);
 }
 
 TEUCHOS_UNIT_TEST(PatchTest, SmalseReachesTheSameDigits) {

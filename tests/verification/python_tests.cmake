@@ -1,5 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 haptos_add_python_test(from_gmsh SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/from_gmsh_test.py LABELS verification TIMEOUT 300)
+haptos_add_python_test(gmsh_elements LABELS verification TIMEOUT 300
+         SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/gmsh_elements_test.py --haptos $<TARGET_FILE:haptos_program>)
 
 # A result of the program, in VTK's reader (ParaView's): sets, time step and all fields by name.
 set(result ${CMAKE_CURRENT_BINARY_DIR}/fields_result.exo)

@@ -36,10 +36,9 @@ using Quad9Basis = Intrepid2::Basis_HGRAD_QUAD_C2_FEM<Device, double, double>;
 using Triangle3Basis = Intrepid2::Basis_HGRAD_TRI_C1_FEM<Device, double, double>;
 using Triangle6Basis = Intrepid2::Basis_HGRAD_TRI_C2_FEM<Device, double, double>;
 
-using CellKey = shards::CellTopology;
-
-CellKey cellOf(int numCorners, int dimension) {
-  if (dimension == 2) return numCorners == 3 ? shards::getCellTopologyData<shards::Triangle<3>>() : shards::getCellTopologyData<shards::Quadrilateral<4>>();
+shards::CellTopology cellOf(int numCorners, int dimension) {
+  if (dimension == 2 && numCorners == 3) return shards::getCellTopologyData<shards::Triangle<3>>();
+  if (dimension == 2) return shards::getCellTopologyData<shards::Quadrilateral<4>>();
   switch (numCorners) {
     case 4: return shards::getCellTopologyData<shards::Tetrahedron<4>>();
     case 5: return shards::getCellTopologyData<shards::Pyramid<5>>();
@@ -199,7 +198,9 @@ ReferenceElement elementRule(Topology topology, int degree) {
 
 }  // namespace
 
-ReferenceElement shapeFunctionsAt(Topology topology, const Eigen::Matrix3Xd& points) { return withFunctions(topology, {points, {}, {}, {}}); }
+ReferenceElement shapeFunctionsAt(Topology topology, const Eigen::Matrix3Xd& points) {
+  return withFunctions(topology, {points, {}, {}, {}});
+}
 
 // Twice the degree of the gradients in every direction, counted for pyramids in the cube that is collapsed to them.  TET10: its four
 // points of degree 2 see 24 strains, of which BBar takes three; degrees 3 and 4 have negative weights.

@@ -150,7 +150,8 @@ class CellSplitter {
         const auto& from = source_.blocks[pieces_[i].block];
         const bool isFirst = i == 0 || pieces_[i].block != pieces_[i - 1].block;
         constexpr std::array<const char*, 3> endings{"_tet", "_pyramid", "_wedge"};
-        mesh_.blocks.push_back({isFirst ? from.id : ++highest, isFirst ? from.name : from.name + endings[pieces_[i].corners.size() - 4], topology, {}});
+        const std::string ending = isFirst ? "" : endings[pieces_[i].corners.size() - 4];
+        mesh_.blocks.push_back({isFirst ? from.id : ++highest, from.name + ending, topology, {}});
       }
       const Nodes nodes = allNodes(pieces_[i], elementShape(topology));
       mesh_.blocks.back().connectivity.insert(mesh_.blocks.back().connectivity.end(), nodes.begin(), nodes.end());
@@ -223,7 +224,9 @@ class CellSplitter {
 
 }  // namespace
 
-Mesh withCells(const Mesh& hexahedra, const std::vector<Cell>& cells, ElementOrder order) { return CellSplitter(hexahedra, cells, order).split(); }
+Mesh withCells(const Mesh& hexahedra, const std::vector<Cell>& cells, ElementOrder order) {
+  return CellSplitter(hexahedra, cells, order).split();
+}
 
 Mesh withElements(const Mesh& hexahedra, Topology topology) {
   const ElementShape& shape = elementShape(topology);
@@ -231,7 +234,9 @@ Mesh withElements(const Mesh& hexahedra, Topology topology) {
                     : shape.numCorners == 5 ? Cell::Pyramids
                     : shape.numCorners == 6 ? Cell::Wedges
                                             : Cell::Hexahedron;
-  const ElementOrder order = !shape.hasMidNodes() ? ElementOrder::Linear : topology == Topology::Hex27 ? ElementOrder::FullQuadratic : ElementOrder::Quadratic;
+  const ElementOrder order = !shape.hasMidNodes()          ? ElementOrder::Linear
+                             : topology == Topology::Hex27 ? ElementOrder::FullQuadratic
+                                                           : ElementOrder::Quadratic;
   return withCells(hexahedra, std::vector<Cell>(hexahedra.numElements(), cell), order);
 }
 
