@@ -95,11 +95,6 @@ class WrongParameters(WrongInput):
         self.refuse(stack(Solver={"Method": "Subspace Newton"}, Preconditioner={"Type": "None"}),
                     "Preconditioner->Type", "Subspace Newton", "Dirichlet", "Lumped")
 
-    def test_mortar(self):
-        scene = stack()
-        scene["Contact"]["joint"]["Discretization"] = "Mortar"
-        self.refuse(scene, "Contact->joint->Discretization", "Mortar", "Node To Node")
-
 
 class WrongXml(WrongInput):
     def test_missing_file(self):

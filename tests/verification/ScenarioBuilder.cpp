@@ -100,6 +100,15 @@ ScenarioBuilder& ScenarioBuilder::contact(const std::string& secondary, const st
   return *this;
 }
 
+ScenarioBuilder& ScenarioBuilder::contactOption(const std::string& name, const std::string& value) {
+  auto& contacts = parameters_.sublist("Contact");
+  for (const auto& entry : contacts) {
+    auto& list = contacts.sublist(entry.first);
+    if (list.isParameter("Primary Side Set")) list.set(name, value);
+  }
+  return *this;
+}
+
 ScenarioBuilder& ScenarioBuilder::rigidPlane(const std::string& secondary, const Array3& point, const Array3& normal,
                                              const Friction* friction) {
   newContact(secondary, friction).sublist("Rigid Plane").set("Point", arrayOf(point)).set("Normal", arrayOf(normal));

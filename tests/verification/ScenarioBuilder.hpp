@@ -46,6 +46,8 @@ class ScenarioBuilder {
   ScenarioBuilder& contact(const std::string& secondary, const std::string& primary, const Friction* friction = nullptr);
   ScenarioBuilder& rigidPlane(const std::string& secondary, const Array3& point, const Array3& normal,
                               const Friction* friction = nullptr);
+  /// \brief A parameter of all contacts so far that are between two surfaces.
+  ScenarioBuilder& contactOption(const std::string& name, const std::string& value);
   /// \param method METIS, Bricks or Block, \param subdomains over all bodies; 0 chooses
   ScenarioBuilder& decomposition(const std::string& method, int subdomains = 0);
   ScenarioBuilder& solver(const std::string& method) { return setSolver("Method", method); }

@@ -75,6 +75,22 @@ struct DecompositionOptions {
   static const OptionTable<DecompositionOptions>& table();
 };
 
+/// \brief How two surfaces are joined; Automatic: node to node where the meshes match.
+enum class Discretization { Automatic, NodeToNode, Mortar };
+template <>
+struct Choices<Discretization> {
+  using E = Discretization;
+  static constexpr Choice<E> all[] = {{E::Automatic, "Automatic"}, {E::NodeToNode, "Node To Node"}, {E::Mortar, "Mortar"}};
+};
+
+/// \brief Which of two surfaces carries the multipliers of mortar; Automatic: the softer one, of two alike the finer.
+enum class ContactSides { Automatic, AsGiven };
+template <>
+struct Choices<ContactSides> {
+  using E = ContactSides;
+  static constexpr Choice<E> all[] = {{E::Automatic, "Automatic"}, {E::AsGiven, "As Given"}};
+};
+
 enum class FrictionLaw { Frictionless, Tresca, Coulomb };
 /// Nothing: Tied, which is no law of contact.
 template <>

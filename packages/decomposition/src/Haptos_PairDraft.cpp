@@ -22,6 +22,8 @@ void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, Pa
   const LocalFrame& frame = placed.pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
   if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+  for (std::size_t a = 0; a < 3; ++a)
+    if (placed.pair.isPinned[a]) draft.axes[a] = {0, 0, 0};
   RowShare::Pair& share = draft.share;
   share.interface = placed.interface;
   share.position = placed.position;

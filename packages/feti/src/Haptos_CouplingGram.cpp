@@ -11,6 +11,7 @@
 #include "Haptos_DisjointSets.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 namespace {
@@ -237,7 +238,8 @@ void CouplingGram::factorHeld(const Held& held) {
     ++unknowns;
   };
   for (const auto& item : held.items) {
-    const bool isTurned = std::all_of(item.rows.begin(), item.rows.end(), [](GlobalOrdinal r) { return r >= 0; });
+    const bool isTurned = std::all_of(item.rows.begin(), item.rows.end(), [](GlobalOrdinal r) { return r >= 0; }) &&
+                          std::none_of(item.axes.begin(), item.axes.end(), [](const auto& axis) { return axis == Vec3::Array{}; });
     const std::array<std::array<double, 3>, 3> global{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     for (std::size_t a = 0; a < 3; ++a) {
       if (item.rows[a] < 0) continue;

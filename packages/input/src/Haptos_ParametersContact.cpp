@@ -108,6 +108,7 @@ ContactOptions contactOptions(const std::string& name, const ParameterList& list
     contact.rigidPlane = RigidPlaneOptions{numbers<3>(plane, "Point"), numbers<3>(plane, "Normal")};
   }
   contact.discretization = choiceNamed<Discretization>(list.get<std::string>("Discretization"));
+  contact.sides = choiceNamed<ContactSides>(list.get<std::string>("Sides"));
   contact.matchingTolerance = list.get<double>("Matching Tolerance");
   contact.friction = frictionOptions(list.sublist("Friction"));
   return contact;
@@ -123,9 +124,13 @@ ParameterTree contactSection() {
                .notEmpty())
       .add(rigidPlane())
       .add(ParameterSpec("Discretization", {Type::String},
-                         "Node To Node needs matching meshes and is what Automatic takes; Mortar is reserved for a later version and refused")
+                         "Node To Node needs matching meshes; Mortar is weak contact between any; Automatic takes Node To Node where meshes match")
                .defaultTo(std::string(nameOf(ContactOptions{}.discretization)))
                .oneOf(choiceNames<Discretization>()))
+      .add(ParameterSpec("Sides", {Type::String},
+                         "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface; As Given the one named so")
+               .defaultTo(std::string(nameOf(ContactOptions{}.sides)))
+               .oneOf(choiceNames<ContactSides>()))
       .add(ParameterSpec(
                "Matching Tolerance", {Type::Double},
                "Node To Node: largest tangential distance of paired nodes, relative to the element size")

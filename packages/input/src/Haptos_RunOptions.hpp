@@ -47,13 +47,6 @@ struct ConditionOptions {
   VectorExpression value;           ///< of all but a pressure: [length], [force/area], [force/volume]
 };
 
-enum class Discretization { Automatic, NodeToNode, Mortar };
-template <>
-struct Choices<Discretization> {
-  using E = Discretization;
-  static constexpr Choice<E> all[] = {{E::Automatic, "Automatic"}, {E::NodeToNode, "Node To Node"}, {E::Mortar, "Mortar"}};
-};
-
 struct FrictionOptions {
   std::optional<FrictionLaw> law = FrictionLaw::Frictionless;  ///< none: tied
   std::array<double, 2> coefficients{0, 0};                    ///< F1, F2 [-]
@@ -71,6 +64,7 @@ struct ContactOptions {
   std::string secondarySideSet, primarySideSet;  ///< names or numbers; no primary one: rigid plane
   std::optional<RigidPlaneOptions> rigidPlane;
   Discretization discretization = Discretization::Automatic;
+  ContactSides sides = ContactSides::Automatic;
   double matchingTolerance = 1e-3;  ///< of the element size
   FrictionOptions friction;
 };

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <cstdint>
 #include <string>
 #include <tuple>
@@ -25,8 +26,14 @@ struct ContactPair {
   LocalFrame frame;            ///< normal: outward from the secondary surface; rigid plane: -Normal
   double gap;                  ///< initial distance along the normal; negative: initial penetration
   double area;                 ///< tributary area of the secondary node
+  std::array<char, 3> isPinned{};  ///< rows N, T1, T2 (x, y, z of a tied pair) that are left out whatever they reach
 
-  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area); }  ///< see ByteWriter
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned); }  ///< see ByteWriter
+};
+
+struct NodeMove {
+  std::int64_t node;  ///< mesh index
+  std::array<double, 3> by;
 };
 
 struct ContactInterface {
@@ -34,7 +41,10 @@ struct ContactInterface {
   std::vector<ContactPair> pairs;  ///< ascending secondary node
   bool tied = false;               ///< both sides are bonded: [u] = 0, whatever the gap
   std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
+  bool isMortar = false;
+  std::vector<NodeMove> moves;     ///< of nodes in the mesh that the stiffness is made with
   std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd
+  std::vector<std::string> remarks;  ///< the same, of what is as it should be
 };
 
 }  // namespace Haptos

@@ -3,10 +3,14 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
+#include <optional>
 #include <sstream>
+#include <utility>
 
 #include "Haptos_ContactSurface.hpp"
 #include "Haptos_InputCheck.hpp"
+#include "Haptos_MortarPairs.hpp"
 #include "Haptos_SurfaceMatching.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -100,11 +104,9 @@ void notePenetration(const Mesh& mesh, const ContactSurface& secondary, ContactI
 }
 
 // One pair a secondary node that has a partner; nodes without one take no part, which is noted.
-void pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary,
-                     ContactInterface& interface) {
-  const ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
-  checkNoSharedNode(mesh, spec, secondary, primary);
-  const SurfaceMatch match = matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
+void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, ContactInterface& interface) {
+  const ContactSurface &secondary = couple.secondary, &primary = couple.primary;
+  const SurfaceMatch match = matchSurfaces(couple, spec.matchingTolerance);
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     if (match.partner[i] < 0) {
       ++interface.unpairedNodes;
@@ -121,6 +123,64 @@ void pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSur
                               std::to_string(match.mismatched) +
                               " faces do not (other diagonals, triangles on quadrilaterals): nodal pressures "
                               "are less accurate there");
+}
+
+// Largest Young's modulus of the elements at a surface.
+double stiffnessAt(const Mesh& mesh, const ContactSurroundings& around, const std::string& sideSet) {
+  double stiffness = 0;
+  const auto offsets = blockOffsets(mesh);
+  for (const auto& side : mesh.sideSets[std::size_t(findSideSet(mesh, sideSet))].sides)
+    stiffness = std::max(stiffness, around.youngsModulus[std::size_t(locateElement(offsets, side.element).block)]);
+  return stiffness;
+}
+
+double meanArea(const ContactSurface& surface) {
+  return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / double(surface.faces.size());
+}
+
+// Why the sides of a mortar interface are to be exchanged; empty: they are not.
+std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
+                             const ContactSurface& primary) {
+  constexpr double kStiffer = 1.5, kFiner = 0.8;  // ratios that differ by more than chance
+  if (spec.sides == ContactSides::AsGiven) return "";
+  if (!around.youngsModulus.empty()) {
+    const double E1 = stiffnessAt(mesh, around, spec.secondarySideSet), E2 = stiffnessAt(mesh, around, spec.primarySideSet);
+    if (E1 > kStiffer * E2) return "the softer";
+    if (E2 > kStiffer * E1) return "";
+  }
+  return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer" : "";
+}
+
+// What is covered is integrated now; which nodes carry multipliers is decided when all interfaces are known.
+MortarDraft draftMortar(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, ContactSurface secondary,
+                        ContactSurface primary) {
+  const std::string exchange = reasonToExchange(mesh, spec, around, secondary, primary);
+  if (!exchange.empty()) std::swap(secondary, primary);
+  MortarDraft draft{&spec, std::move(secondary), std::move(primary), {}, {}, exchange};
+  draft.overlap = integrateOverlap(draft.secondary, draft.primary);
+  return draft;
+}
+
+// Node to node where the meshes match or where it is asked for.
+std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
+                                           ContactSurface secondary, ContactInterface& interface) {
+  ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
+  checkNoSharedNode(mesh, spec, secondary, primary);
+  std::string reason = "Discretization is Mortar";
+  if (spec.discretization != Discretization::Mortar) try {
+      pairNodeToNode(spec, {mesh, spec.name, secondary, primary}, interface);
+      notePenetration(mesh, secondary, interface);
+      return {};
+    } catch (const NonMatchingError&) {
+      if (spec.discretization == Discretization::NodeToNode) throw;
+      reason = "the meshes do not match";
+    }
+  interface.isMortar = true;
+  MortarDraft draft = draftMortar(mesh, spec, around, std::move(secondary), std::move(primary));
+  interface.remarks.push_back("'" + spec.name + "' is joined by mortar (" + reason + ")" +
+                              (draft.exchange.empty() ? "" : "; its sides are exchanged: '" + draft.secondary.name + "', " + draft.exchange +
+                                                                 " of the two, carries the multipliers"));
+  return draft;
 }
 
 // Every secondary node is paired with the plane, whatever its distance: the gap is - (x - point) . n.
@@ -140,28 +200,35 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
                                << " must point to the body. Is it the wrong side set, or the wrong sign?");
 }
 
-}  // namespace
-
-// Surfaces, pairs, and what the user should know of them.
-ContactInterface buildContactInterface(const Mesh& mesh, const ContactSpec& spec) {
+// Of one interface, but for the pairs of mortar.
+std::optional<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
+                                          ContactInterface& interface) {
   checkSpec(spec);
-  const ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
-  ContactInterface interface;
+  ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   interface.name = spec.name;
   interface.tied = spec.tied;
-  interface.pairs.reserve(secondary.numNodes());
-  if (spec.rigidPlane)
-    pairWithPlane(spec, secondary, interface);
-  else
-    pairWithSurface(mesh, spec, secondary, interface);
+  if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, std::move(secondary), interface);
+  pairWithPlane(spec, secondary, interface);
   notePenetration(mesh, secondary, interface);
-  return interface;
+  return {};
 }
 
-std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs) {
-  std::vector<ContactInterface> interfaces;
-  interfaces.reserve(specs.size());
-  for (const ContactSpec& spec : specs) interfaces.push_back(buildContactInterface(mesh, spec));
+void finishMortar(const Mesh& mesh, const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
+  barHeldNodes(around, draft, interface.notes);
+  addMortarPairs(around, draft, interface);
+  if (interface.unpairedNodes > 0)
+    interface.notes.push_back(unpairedNote(draft.secondary, draft.primary, interface.unpairedNodes));
+  notePenetration(mesh, draft.secondary, interface);
+}
+
+}  // namespace
+
+std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs, const ContactSurroundings& around) {
+  std::vector<ContactInterface> interfaces(specs.size());
+  std::vector<std::optional<MortarDraft>> drafts;
+  for (std::size_t k = 0; k < specs.size(); ++k) drafts.push_back(startInterface(mesh, specs[k], around, interfaces[k]));
+  for (std::size_t k = 0; k < specs.size(); ++k)
+    if (drafts[k]) finishMortar(mesh, around, *drafts[k], interfaces[k]);
   return interfaces;
 }
 

@@ -9,6 +9,7 @@
 #include "Haptos_ContactPair.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Mesh.hpp"
+#include "Haptos_Options.hpp"
 
 namespace Haptos {
 
@@ -34,17 +35,24 @@ struct ContactSpec {
   bool tied = false;             ///< bonded, no contact law
   std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
+  Discretization discretization = Discretization::Automatic;
+  ContactSides sides = ContactSides::Automatic;
 };
 
-/// \brief Pairs of all interfaces, node to node (see `matchSurfaces`).  Serial: needs the whole mesh.
+/// \brief What a pairing must know beside the mesh; empty: nothing of the kind.
+struct ContactSurroundings {
+  std::vector<double> youngsModulus;               ///< [blocks]
+  std::vector<std::array<char, 3>> isPrescribed;  ///< [nodes] displacements, by component
+};
+
+/// \brief Pairs of all interfaces: node to node (see `matchSurfaces`) or by mortar (see `dualMortarRows`).  Serial: needs the
+/// whole mesh.
 ///
-/// A node may be secondary in several interfaces (a corner): it then has a pair in each.
-/// \throws NonMatchingError if the nodes of two surfaces do not match
+/// Automatic is node to node where the meshes match, else mortar.  There the secondary side is, unless `sides` is AsGiven, the softer
+/// one, and of two alike the finer.  A node may be secondary in several interfaces (a corner): it then has a pair in each.
+/// \throws NonMatchingError if the nodes of two surfaces do not match that are to be paired node to node
 /// \throws InputError for a side set that is missing, an interface without or with two obstacles, a node on
 ///   both sides of an interface, normals that do not oppose, a direction that is zero or not finite
-std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs);
-
-/// \brief The pairs of one interface; see `buildContact`.
-ContactInterface buildContactInterface(const Mesh& mesh, const ContactSpec& spec);
+std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs, const ContactSurroundings& around = {});
 
 }  // namespace Haptos

@@ -68,6 +68,8 @@ void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>&
     for (std::size_t i = 0; i < face.size(); ++i)
       facet[i] =
           int(std::lower_bound(surface.nodes.begin(), surface.nodes.end(), face[i]) - surface.nodes.begin());
+    surface.faceOfFacet.push_back(int(surface.faces.size()));
+    surface.faces.push_back({int(face.size()), {facet[0], facet[1], facet[2], facet[3]}});
     surface.facets.push_back(facet);
   }
 }

@@ -9,6 +9,12 @@
 
 namespace Haptos {
 
+/// \brief A face by the positions of its nodes, corners first; their number tells its shape.
+struct SurfaceFace {
+  int size = 0;
+  std::array<int, 9> nodes{};
+};
+
 /// \brief The faces of one side set as a surface of its own: nodes, normals, areas, sizes.
 ///
 /// The normal of a node is the mean of the outward corner normals of the faces around it, weighted by the
@@ -25,7 +31,9 @@ struct ContactSurface {
   std::vector<double> sizes;                       ///< [numNodes] shortest edge of the faces around the node
   /// [numNodes] sine of the largest angle between the normal here and at a node of the same face (0 if flat)
   std::vector<double> turns;
+  std::vector<SurfaceFace> faces;          ///< [numFaces] outward
   std::vector<std::array<int, 4>> facets;  ///< [numFacets] node positions, outward; -1 last: triangle
+  std::vector<int> faceOfFacet;            ///< [numFacets] linear faces are one facet
   std::vector<std::array<double, 3>> facetNormals;  ///< [numFacets] unit, outward
 
   std::size_t numNodes() const { return nodes.size(); }

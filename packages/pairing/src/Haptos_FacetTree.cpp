@@ -70,11 +70,11 @@ FacetTree::Box FacetTree::unite(const Box& a, const Box& b) {
 // Separating axes of an infinite line and a box: direction x e_i, i = 1, 2, 3.  No division, so lines along
 // the axes are no special case.
 bool FacetTree::meets(const Box& box, const std::array<double, 3>& origin,
-                      const std::array<double, 3>& direction) {
+                      const std::array<double, 3>& direction, double margin) {
   const auto moment = Vec3::cross(Vec3::subtract(box.centre, origin), direction);
   for (std::size_t c = 0; c < 3; ++c) {
     const std::size_t a = (c + 1) % 3, b = (c + 2) % 3;
-    if (std::abs(moment[c]) > box.half[a] * std::abs(direction[b]) + box.half[b] * std::abs(direction[a]))
+    if (std::abs(moment[c]) > (box.half[a] + margin) * std::abs(direction[b]) + (box.half[b] + margin) * std::abs(direction[a]))
       return false;
   }
   return true;
@@ -82,14 +82,14 @@ bool FacetTree::meets(const Box& box, const std::array<double, 3>& origin,
 
 // Boxes that the line misses are left out with all that is in them; the line has no end on either side.
 void FacetTree::facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
-                               std::vector<int>& facets) const {
+                               std::vector<int>& facets, double margin) const {
   facets.clear();
   if (nodes_.empty()) return;
   std::vector<int> stack = {0};
   while (!stack.empty()) {
     const Node& node = nodes_[std::size_t(stack.back())];
     stack.pop_back();
-    if (!meets(node.box, origin, direction)) continue;
+    if (!meets(node.box, origin, direction, margin)) continue;
     if (node.left >= 0) {
       stack.push_back(node.right);
       stack.push_back(node.left);
@@ -97,7 +97,7 @@ void FacetTree::facetsNearLine(const std::array<double, 3>& origin, const std::a
     }
     for (int i = node.begin; i < node.end; ++i) {
       const int facet = order_[std::size_t(i)];
-      if (meets(boxes_[std::size_t(facet)], origin, direction)) facets.push_back(facet);
+      if (meets(boxes_[std::size_t(facet)], origin, direction, margin)) facets.push_back(facet);
     }
   }
 }

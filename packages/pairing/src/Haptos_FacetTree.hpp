@@ -16,10 +16,10 @@ class FacetTree {
  public:
   explicit FacetTree(const ContactSurface& surface);
 
-  /// \brief Faces whose box, grown by a quarter of the face's diameter, meets the line; replaces `facets`.
+  /// \brief Faces whose box, grown by a quarter of the face's diameter and by `margin`, meets the line; replaces `facets`.
   /// \param direction need not be of length 1
   void facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
-                      std::vector<int>& facets) const;
+                      std::vector<int>& facets, double margin = 0) const;
 
  private:
   struct Box {
@@ -35,7 +35,7 @@ class FacetTree {
   int build(int begin, int end);
   static Box unite(const Box& a, const Box& b);
   static bool meets(const Box& box, const std::array<double, 3>& origin,
-                    const std::array<double, 3>& direction);
+                    const std::array<double, 3>& direction, double margin);
 
   std::vector<Box> boxes_;   ///< [numFacets]
   std::vector<int> order_;   ///< facets, grouped by leaf

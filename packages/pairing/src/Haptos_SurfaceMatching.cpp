@@ -341,7 +341,7 @@ void Matcher::refuseMismatch(const Mismatch& worst, const ContactSurface& own,
        << ", that is " << worst.distance / worst.size << " of the element size " << worst.size
        << " (allowed: " << tolerance_ << "), at "
        << describeNode(couple_.mesh, own.nodes[std::size_t(worst.node)]) << " of '" << own.name
-       << "'. Mesh both surfaces alike: this version joins contact surfaces node to node.";
+       << "'. Mesh both surfaces alike, or take Mortar.";
   throw NonMatchingError(text.str());
 }
 
@@ -354,7 +354,7 @@ void Matcher::refuseCompetition(const ContactSurface& surface, int a, int b) con
        << describeNode(couple_.mesh, surface.nodes[std::size_t(a)]) << " and "
        << describeNode(couple_.mesh, surface.nodes[std::size_t(b)]) << " of side set '" << surface.name
        << "' lie opposite one and the same node of side set '" << other.name
-       << "', which can serve only one of them. Merge coincident nodes, or mesh both surfaces alike.";
+       << "', which can serve only one of them. Merge coincident nodes, mesh both surfaces alike, or take Mortar.";
   throw NonMatchingError(text.str());
 }
 

@@ -64,6 +64,7 @@ inline ContactSpec contact(const std::string& secondary = "upper_contact",
   spec.name = "interface";
   spec.secondarySideSet = secondary;
   spec.primarySideSet = primary;
+  spec.discretization = Discretization::NodeToNode;
   return spec;
 }
 

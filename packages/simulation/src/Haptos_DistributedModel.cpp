@@ -75,9 +75,9 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   }
   const auto scope = clock.time(Phase::Decompose);
   ModelDraft draft = draftModel(*comm, options, share.mesh);
-  const OwnElements own = completeElements(*comm, share.mesh);
+  OwnElements own = completeElements(*comm, share.mesh);
   model.prescribed = collectDisplacements(*comm, options.conditions, share.mesh, own);
-  const auto interfaces = pairSurfaces(*comm, own, draft);
+  const auto interfaces = pairSurfaces(*comm, model.prescribed, own, draft);
   PartitionOptions cut;
   runOnAllRanks(*comm, [&] { cut = partitionOptions(options.decomposition, share); });
   if (tuneCut) tuneCut(cut);

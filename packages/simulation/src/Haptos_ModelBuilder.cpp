@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ByteBuffer.hpp"
@@ -14,6 +15,7 @@
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 namespace {
@@ -47,15 +49,14 @@ std::vector<int> assignMaterials(const std::vector<MaterialOptions>& options, co
 }
 
 ContactSpec contactSpec(const ContactOptions& options) {
-  if (options.discretization == Discretization::Mortar)
-    throw InputError("Contact->" + options.name +
-                     "->Discretization: Mortar is not in this version; use Node To Node, which needs meshes that match");
   ContactSpec spec;
   spec.name = options.name;
   spec.secondarySideSet = options.secondarySideSet;
   spec.primarySideSet = options.primarySideSet;
   if (options.rigidPlane) spec.rigidPlane = RigidPlane{options.rigidPlane->point, options.rigidPlane->normal};
   spec.matchingTolerance = options.matchingTolerance;
+  spec.discretization = options.discretization;
+  spec.sides = options.sides;
   spec.tied = !options.friction.law;
   spec.principalDirection = options.friction.principalDirection;
   return spec;
@@ -211,18 +212,53 @@ void toWholeMesh(const std::vector<std::int64_t>& nodes, ContactPair& pair) {
 
 // What all ranks report of the pairs.
 void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& interfaces, ModelData& data) {
-  ByteWriter writer;
-  for (const auto& interface : interfaces) {
-    writer.write(interface.unpairedNodes);
-    writer.write(long(interface.tied ? interface.pairs.size() : 0));
-    writer.write(interface.notes.size());
-    for (const auto& note : interface.notes) writer.write(note);
+  struct Told {
+    std::size_t unpairedNodes;
+    long tiedPairs;
+    bool isMortar;
+    std::vector<std::string> notes, remarks;
+
+    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, notes, remarks); }  // see ByteWriter
+  };
+  std::vector<Told> mine;
+  for (const auto& interface : interfaces)
+    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, interface.notes, interface.remarks});
+  for (const Told& told : gatheredOnAll(comm, mine)) {
+    data.unpairedNodes += told.unpairedNodes;
+    data.tiedPairs += told.tiedPairs;
+    data.isMortar.push_back(told.isMortar);
+    data.notes.insert(data.notes.end(), told.notes.begin(), told.notes.end());
+    data.remarks.insert(data.remarks.end(), told.remarks.begin(), told.remarks.end());
   }
-  const Bytes message = gatherOnAll(comm, writer.take()).front();
-  for (ByteReader reader(message); !reader.atEnd();) {
-    data.unpairedNodes += reader.read<std::size_t>();
-    data.tiedPairs += reader.read<long>();
-    for (auto left = reader.read<std::size_t>(); left > 0; --left) data.notes.push_back(reader.readString());
+}
+
+// What the pairing of these surfaces must know of materials and supports; complete on rank 0.  Collective.
+ContactSurroundings surroundingsOf(const Communicator& comm, const OwnElements& own, const PartialMesh& surfaces,
+                                   const std::vector<PrescribedDisplacement>& prescribed, const ModelDraft& draft) {
+  ContactSurroundings around;
+  for (int material : draft.materialOfBlock)
+    around.youngsModulus.push_back(material < 0 ? 0.0 : draft.data.materials[std::size_t(material)].youngsModulus);
+  const auto first = own.nodes.begin(own.rank);
+  around.isPrescribed = RemoteValues(comm, own.nodes, surfaces.nodes).fetch([&](std::int64_t place) {
+    std::array<char, 3> components{};
+    const auto before = [](const PrescribedDisplacement& given, std::int64_t node) { return given.node < node; };
+    for (auto at = std::lower_bound(prescribed.begin(), prescribed.end(), first + place, before);
+         at != prescribed.end() && at->node == first + place; ++at)
+      components[std::size_t(at->component)] = 1;
+    return components;
+  });
+  return around;
+}
+
+// Tells all ranks where nodes are to be that rank 0 moves.  Collective.
+void moveNodes(const Communicator& comm, const std::vector<ContactInterface>& interfaces, PartialMesh& part) {
+  std::vector<NodeMove> moves;
+  for (const auto& interface : interfaces) moves.insert(moves.end(), interface.moves.begin(), interface.moves.end());
+  for (const NodeMove& move : gatheredOnAll(comm, moves)) {
+    const auto at = std::lower_bound(part.nodes.begin(), part.nodes.end(), move.node);
+    if (at == part.nodes.end() || *at != move.node) continue;
+    auto& x = part.mesh.coordinates[std::size_t(at - part.nodes.begin())];
+    x = Vec3::add(x, move.by);
   }
 }
 
@@ -273,19 +309,24 @@ ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const
   return draft;
 }
 
-std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const OwnElements& own, ModelDraft& draft) {
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const std::vector<PrescribedDisplacement>& prescribed, OwnElements& own,
+                                           ModelDraft& draft) {
   std::vector<int> rankOf;
   for (char isAt : elementsAt(own.part.mesh, draft.contacts)) rankOf.push_back(isAt ? 0 : -1);
   const PartialMesh surfaces = sendElements(comm, own.part, rankOf, std::vector<int>(rankOf.size(), 0)).part;
+  const ContactSurroundings around = surroundingsOf(comm, own, surfaces, prescribed, draft);
   std::vector<ContactInterface> interfaces;
   try {
-    runOnRoot(comm, [&] { interfaces = buildContact(surfaces.mesh, draft.contacts); });
+    runOnRoot(comm, [&] { interfaces = buildContact(surfaces.mesh, draft.contacts, around); });
   } catch (const InputError&) {  // a surface of inverted elements cannot be paired: then the element is what must be named
     runOnAllRanks(comm, [&] { checkElements(own.part.mesh); });
     throw;
   }
-  for (auto& interface : interfaces)
+  for (auto& interface : interfaces) {
     for (auto& pair : interface.pairs) toWholeMesh(surfaces.nodes, pair);
+    for (auto& move : interface.moves) move.node = surfaces.nodes[std::size_t(move.node)];
+  }
+  moveNodes(comm, interfaces, own.part);
   shareNotes(comm, interfaces, draft.data);
   draft.surfaceElements = std::int64_t(surfaces.elements.size());
   return interfaces;

@@ -41,6 +41,7 @@ struct ModelData {
   std::vector<std::string> remarks;          ///< full sentences for the report
   std::size_t unpairedNodes = 0;
   long tiedPairs = 0;
+  std::vector<char> isMortar;                ///< [interfaces]
   bool metis = false;
   int mendedFragments = 0;
 };
@@ -79,8 +80,11 @@ ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const
 PartitionOptions partitionOptions(const DecompositionOptions& options, SourceShare& source);
 
 /// \brief Pairs of all interfaces, on rank 0, which gets the elements at the surfaces; notes and counts go to the draft.  Collective.
+/// \param prescribed at the nodes of this rank's range, sorted
+/// \param own its nodes are moved onto surfaces that they are tied to
 /// \throws InputError on all ranks
-std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const OwnElements& own, ModelDraft& draft);
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const std::vector<PrescribedDisplacement>& prescribed, OwnElements& own,
+                                           ModelDraft& draft);
 
 /// \brief A contact pair that cannot move must respect its gap already.  Collective.
 /// \throws InsufficientModel on all ranks

@@ -30,22 +30,28 @@ SystemOptions systemOptions(const RunOptions& options) {
 // What the scene did not need and was not built.
 std::vector<std::string> leftOut(const ModelData& data, long pairs) {
   std::vector<std::string> notes;
-  bool matching = false, coulomb = false, frictional = false;
+  bool coulomb = false, frictional = false;
   for (std::size_t i = 0; i < data.friction.size(); ++i) {
     coulomb = coulomb || data.friction[i].law == FrictionLaw::Coulomb;
     frictional = frictional || data.friction[i].law != FrictionLaw::Frictionless;
-    matching = true;
     if (data.friction[i].tied)
       notes.push_back("no contact law on '" + data.interfaceNames[i] + "' (tied)");
     else if (data.friction[i].law == FrictionLaw::Frictionless)
       notes.push_back("no tangential multipliers on '" + data.interfaceNames[i] + "' (no friction)");
   }
   if (frictional && !coulomb) notes.push_back("no outer fixed point (Tresca)");
-  if (matching && pairs > 0) notes.push_back("no mortar integration (matching meshes or a rigid plane)");
+  if (pairs > 0 && std::count(data.isMortar.begin(), data.isMortar.end(), 0) > 0) notes.push_back("no mortar integration (matching meshes or a rigid plane)");
   if (pairs == 0 && data.tiedPairs == 0) notes.push_back(data.friction.empty() ? "no contact (none in the input)" : "no contact (no pair within reach)");
   if (data.unpairedNodes > 0)
     notes.push_back(std::to_string(data.unpairedNodes) + " secondary nodes have nothing opposite and no multiplier");
   return notes;
+}
+
+std::string discretizationOf(const ModelData& data) {
+  const auto mortar = std::count(data.isMortar.begin(), data.isMortar.end(), 1);
+  if (mortar == 0) return nameOf(Discretization::NodeToNode);
+  const std::string name = nameOf(Discretization::Mortar);
+  return std::size_t(mortar) == data.isMortar.size() ? name : nameOf(Discretization::NodeToNode) + (", " + name);
 }
 
 // The largest of the ranks in one reduction, as holders and others do not do the same.
@@ -155,7 +161,7 @@ void Simulation::describeModel() {
   m.contactPairs = long(multipliers.numPairs());
   m.pinnedRows = sumOfAll(*comm_, long(std::count(multipliers.pinned().begin(), multipliers.pinned().end(), char(1))));
   m.tiedPairs = model_->data.tiedPairs;
-  m.discretization = m.contactPairs + m.tiedPairs > 0 ? "Node To Node" : "none";
+  m.discretization = m.contactPairs + m.tiedPairs > 0 ? discretizationOf(model_->data) : "none";
   FrictionLaw law = FrictionLaw::Frictionless;
   for (const auto& friction : model_->data.friction) law = std::max(law, friction.law);
   m.law = m.contactPairs > 0 ? nameOf(std::optional(law)) : "none";

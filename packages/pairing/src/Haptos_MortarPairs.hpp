@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <string>
+#include <vector>
+
+#include "Haptos_ContactPairs.hpp"
+#include "Haptos_DualMortar.hpp"
+
+namespace Haptos {
+
+/// \brief An interface that is joined by mortar, while it is decided which of its nodes carry multipliers.  Serial.
+struct MortarDraft {
+  const ContactSpec* spec;
+  ContactSurface secondary, primary;
+  SurfaceOverlap overlap;
+  std::vector<char> isBarred;  ///< [secondary nodes] from carrying a multiplier, whatever covers them
+  std::string exchange;        ///< what the secondary side is, where it is not the user's; else empty
+};
+
+/// \brief Bars nodes whose normal displacement is prescribed (all of it, of a tied interface): what they cannot follow, their
+/// neighbours take.  Notes how many.
+void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, std::vector<std::string>& notes);
+
+/// \brief Adds pairs, notes and moves of nodes to the interface.
+///
+/// The gap is that of the node itself along its normal; the mean of the row where it stands for neighbours too, or where the normal
+/// meets nothing.  Components that are prescribed at the node and axes of its rows are pinned.  The secondary nodes of a tied interface
+/// are to be moved onto the primary surface, so that turning both bodies together costs no stress; not by more than a quarter of
+/// the element size, which is noted.
+void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface);
+
+}  // namespace Haptos

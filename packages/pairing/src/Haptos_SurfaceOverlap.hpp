@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <utility>
+#include <vector>
+
+#include "Haptos_ContactSurface.hpp"
+
+namespace Haptos {
+
+/// \brief Integrals over what of a secondary face lies opposite primary faces; N its shape functions, [n] its nodes.
+///
+/// x_p - x_s at each point is along the normal of the plane in which the faces were cut.
+struct FaceIntegrals {
+  double area = 0;      ///< of the covered part
+  Eigen::VectorXd d;    ///< [n] int N
+  Eigen::MatrixXd M;    ///< [n x n] int N N^T
+  Eigen::MatrixXd gap;  ///< [n x 3] int N (x_p - x_s)^T
+  std::vector<std::pair<int, Eigen::MatrixXd>> across;  ///< primary face, [n x nodes of it] int N N_p^T
+};
+
+struct SurfaceOverlap {
+  std::vector<FaceIntegrals> faces;  ///< [secondary faces] area 0, and nothing else, where nothing is opposite
+  std::vector<char> isCovered;       ///< [secondary nodes] whether a primary face lies opposite the node itself
+};
+
+/// \brief Cuts the faces of both surfaces on planes and integrates over the pieces.  Serial, O(n log n).
+///
+/// Each linear facet of the secondary surface has its plane, through its middle and along it; the facets of the primary surface
+/// that look against it are projected there and clipped, and the pieces integrated as fans of triangles about their centroids:
+/// with 7 points between triangles and parallelograms, else with 36.  A point goes back to both faces along the normal of the plane.
+/// Primary facets count at whatever distance, the nearest of several layers only (Puso and Laursen 2004).
+/// \throws InputError where a face is too distorted to be inverted
+SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary);
+
+}  // namespace Haptos

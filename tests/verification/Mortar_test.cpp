@@ -1,0 +1,275 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Contact and ties between meshes that do not match: uniform stress, sliding, rigid rotation, a published beam.
+#include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "ScenarioBuilder.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Verification;
+
+// NAFEMS CGS-1
+constexpr double kPressure = 109.89, kE = 1e6, kNu = 0.3;
+
+struct Patch {
+  std::array<int, 3> lower{4, 4, 3}, upper{5, 5, 3};
+  Topology lowerTopology = Topology::Hex8, upperTopology = Topology::Hex8;
+  std::array<double, 2> lowerEnd{1, 1}, upperEnd{1, 1};  ///< both begin at 0, 0
+  double lowerDistortion = 0, upperDistortion = 0;       ///< of the element size
+  int subdomains = 4;
+  double friction = 0;
+  Array3 axis{0, 0, 1};
+  double angle = 0;
+};
+
+// A number in [-1, 1] that depends on the place and component alone.
+double noise(const Array3& x, int component) {
+  const double s = std::sin(127.1 * x[0] + 311.7 * x[1] + 74.7 * x[2] + 41.3 * component) * 43758.5453;
+  return 2 * (s - std::floor(s)) - 1;
+}
+
+// Moves nodes within the faces of the box and inside by noise.
+std::function<Array3(const Array3&)> distorted(const BoxSpec& box, double part) {
+  const auto from = box.lower, to = box.upper;
+  const auto divisions = box.divisions;
+  return [=](const Array3& x) {
+    Array3 y = x;
+    for (std::size_t c = 0; c < 3; ++c)
+      if (x[c] > from[c] + 1e-9 && x[c] < to[c] - 1e-9) y[c] += part * (to[c] - from[c]) / divisions[c] * noise(x, int(c));
+    return y;
+  };
+}
+
+Mesh patchMesh(const Patch& patch) {
+  BoxSpec lower, upper;
+  lower.blockName = "lower";
+  lower.lower = {0, 0, -1};
+  lower.upper = {patch.lowerEnd[0], patch.lowerEnd[1], 0};
+  lower.divisions = patch.lower;
+  lower.topology = patch.lowerTopology;
+  lower.sideSetNames = {"x-", "", "y-", "", "bottom", "lower_contact"};
+  lower.map = distorted(lower, patch.lowerDistortion);
+  upper.blockName = "upper";
+  upper.lower = {0, 0, 0};
+  upper.upper = {patch.upperEnd[0], patch.upperEnd[1], 1};
+  upper.divisions = patch.upper;
+  upper.topology = patch.upperTopology;
+  upper.sideSetNames = {"x-", "", "y-", "", "upper_contact", "top"};
+  upper.map = distorted(upper, patch.upperDistortion);
+  return makeBoxes({lower, upper});
+}
+
+// Integral of the hat function at x, on cells of size h within [0, end], over [0, cut].
+double hatIntegral(double x, double h, double end, double cut) {
+  const auto rising = [&](double a) {  // of (t - x + h) / h from x - h to a
+    const double t = std::min(std::max(a, x - h), x) - (x - h);
+    return t * t / (2 * h);
+  };
+  const auto falling = [&](double a) {
+    const double t = x + h - std::min(std::max(a, x), x + h);
+    return h / 2 - t * t / (2 * h);
+  };
+  const double top = std::min(cut, end);
+  return (rising(top) - rising(0)) + (falling(top) - falling(0));
+}
+
+// The larger body is loaded where the smaller one leaves it free; its mesh is regular, so the consistent forces are products.
+NodalForces freePart(const Patch& patch) {
+  const bool isLower = patch.lowerEnd[0] > patch.upperEnd[0];
+  const auto end = isLower ? patch.lowerEnd : patch.upperEnd, cut = isLower ? patch.upperEnd : patch.lowerEnd;
+  const auto divisions = isLower ? patch.lower : patch.upper;
+  const std::int64_t firstUpper = std::int64_t(patch.lower[0] + 1) * (patch.lower[1] + 1) * (patch.lower[2] + 1);
+  return [=](std::int64_t node, const Array3& x) {
+    if (std::abs(x[2]) > 1e-9 || (node < firstUpper) != isLower) return Array3{0, 0, 0};
+    double whole = 1, covered = 1;
+    for (std::size_t c = 0; c < 2; ++c) {
+      const double h = end[c] / divisions[c];
+      whole *= hatIntegral(x[c], h, end[c], end[c]);
+      covered *= hatIntegral(x[c], h, end[c], cut[c]);
+    }
+    return Array3{0, 0, (isLower ? -1 : 1) * kPressure * (whole - covered)};
+  };
+}
+
+// ANALYTIC: pressure and strain are uniform.
+void checkPatch(const Patch& patch, Teuchos::FancyOStream& out, bool& success) {
+  const Friction friction{"Coulomb", {patch.friction, patch.friction}};
+  ScenarioBuilder scene(patchMesh(patch));
+  scene.material("lower", kE, kNu).material("upper", kE, kNu)
+      .displacement({"bottom"}, "z", {0, 0, 0}).displacement({"x-"}, "x", {0, 0, 0}).displacement({"y-"}, "y", {0, 0, 0})
+      .pressure({"top"}, kPressure)
+      .contact("upper_contact", "lower_contact", patch.friction > 0 ? &friction : nullptr)
+      .contactOption("Discretization", "Automatic").contactOption("Sides", "As Given")
+      .decomposition("METIS", patch.subdomains).tolerance(1e-11);
+  if (patch.lowerEnd != patch.upperEnd) scene.nodalForces(freePart(patch));
+  const auto result = scene.solve();
+  TEST_ASSERT(result.solved);
+  TEST_EQUALITY(result.report.model.discretization, "Mortar");
+  TEST_ASSERT(result.report.model.subdomains >= patch.subdomains);
+  if (result.pairs.empty()) return;  // not the root
+  double pressure = 0, shear = 0, u = 0;
+  for (const auto& pair : result.pairs) {
+    pressure = std::max(pressure, std::abs(pair.pressure / kPressure - 1));
+    for (double t : pair.tangentialForce) shear = std::max(shear, std::abs(t) / (pair.area * kPressure));
+  }
+  for (std::size_t i = 0; i < scene.mesh().numNodes(); ++i) {
+    const auto& x = scene.mesh().coordinates[i];
+    const Array3 exact = {kNu * x[0], kNu * x[1], -(x[2] + 1)};
+    for (std::size_t c = 0; c < 3; ++c) u = std::max(u, std::abs(result.displacement[3 * i + c] * kE / kPressure - exact[c]));
+  }
+  out << "ANALYTIC pressure " << pressure << ", shear " << shear << ", displacement " << u << ", kkt "
+      << result.report.accuracy.errors.kkt() << " after " << result.report.solver.hessianMultiplications << " multiplications, "
+      << result.report.model.subdomains << " subdomains\n";
+  TEST_COMPARE(pressure, <=, 1e-8);
+  TEST_COMPARE(shear, <=, 1e-8);
+  TEST_COMPARE(u, <=, 1e-8);
+}
+
+TEUCHOS_UNIT_TEST(Mortar, patch_of_bricks_and_tetrahedra) {
+  for (const Topology lower : {Topology::Hex8, Topology::Tet4})
+    for (const Topology upper : {Topology::Hex8, Topology::Tet4}) {
+      Patch patch;
+      patch.lowerTopology = lower;
+      patch.upperTopology = upper;
+      patch.lowerDistortion = lower == Topology::Hex8 ? 0.25 : 0.1;
+      patch.upperDistortion = upper == Topology::Hex8 ? 0.25 : 0.1;
+      checkPatch(patch, out, success);
+    }
+}
+
+TEUCHOS_UNIT_TEST(Mortar, patch_where_one_body_is_larger) {
+  Patch patch;
+  patch.upperEnd = {0.7, 0.55};
+  patch.upper = {4, 3, 3};
+  checkPatch(patch, out, success);
+  patch.upperDistortion = 0.25;
+  patch.friction = 0.3;
+  checkPatch(patch, out, success);
+  patch = {};
+  patch.lowerEnd = {0.7, 0.55};
+  patch.lowerDistortion = 0.25;
+  checkPatch(patch, out, success);
+  patch.friction = 0.3;
+  patch.upper = {6, 6, 2};
+  checkPatch(patch, out, success);
+}
+
+TEUCHOS_UNIT_TEST(Mortar, patch_with_friction_in_many_subdomains) {
+  for (const int subdomains : {4, 16, 50}) {
+    Patch patch;
+    patch.lower = {6, 6, 3};
+    patch.subdomains = subdomains;
+    patch.friction = 0.3;
+    patch.upperDistortion = 0.2;
+    checkPatch(patch, out, success);
+  }
+}
+
+// ANALYTIC (NAFEMS CGS-4): a block that is pushed up a slope; once all slips, F / G = (tan a + mu) / (1 - mu tan a).
+TEUCHOS_UNIT_TEST(Mortar, pushed_up_a_slope) {
+  constexpr double kSlope = 0.1;
+  for (const double mu : {0.0, 0.1, 0.2, 0.3}) {
+    BoxSpec wedge, block;
+    wedge.blockName = "wedge";
+    wedge.lower = {0, 0, -1};
+    wedge.upper = {6, 1, 0};
+    wedge.divisions = {11, 3, 2};
+    wedge.sideSetNames = {"", "", "", "", "ground", "slope"};
+    wedge.map = [](const Array3& x) { return Array3{x[0], x[1], x[2] + kSlope * x[0] * (1 + x[2])}; };
+    block.blockName = "block";
+    block.lower = {1.1, 0.1, 0};
+    block.upper = {3.3, 0.9, 1};
+    block.divisions = {4, 2, 2};
+    block.sideSetNames = {"pushed", "", "", "", "sole", "top"};
+    block.map = [](const Array3& x) { return Array3{x[0], x[1], x[2] + kSlope * x[0]}; };
+    const Friction friction{"Coulomb", {mu, mu}};
+    const auto result = ScenarioBuilder(makeBoxes({wedge, block})).material("wedge", 1100, 0).material("block", 1100, 0)
+                            .clamp({"ground"}).displacement({"pushed"}, "xy", {0.5, 0, 0}).traction({"top"}, {0, 0, -2})
+                            .contact("sole", "slope", mu > 0 ? &friction : nullptr)
+                            .contactOption("Discretization", "Automatic").contactOption("Sides", "As Given")
+                            .decomposition("METIS", 4).tolerance(1e-11).solve();
+    TEST_ASSERT(result.solved);
+    if (result.pairs.empty()) continue;  // not the root
+    const auto sum = resultants(result);
+    const auto& interface = result.report.interfaces[0];
+    TEST_ASSERT(interface.slip > 0 && interface.stick == 0);
+    const double ratio = -sum.force[0] / sum.force[2], exact = (kSlope + mu) / (1 - mu * kSlope);
+    out << "ANALYTIC F/G " << ratio << ", " << exact << "\n";
+    TEST_COMPARE(std::abs(ratio - exact), <=, 1e-8);
+    TEST_COMPARE(std::abs(sum.force[2] / (2 * 2.2 * 0.8 * std::hypot(1, kSlope)) - 1), <=, 1e-8);
+  }
+}
+
+// ANALYTIC: tied across a curved interface, both bodies turn together without any stress.
+TEUCHOS_UNIT_TEST(Mortar, turning_a_curved_tie_is_free) {
+  BoxSpec lower, upper;
+  lower.blockName = "lower";
+  lower.lower = {-1, 0, -1};
+  lower.upper = {1, 1, 0};
+  lower.divisions = {9, 3, 2};
+  lower.sideSetNames = {"", "", "", "", "inside", "lower_contact"};
+  lower.map = [](const Array3& x) { return Array3{(2 + x[2]) * std::sin(x[0]), x[1], (2 + x[2]) * std::cos(x[0])}; };
+  upper = lower;
+  upper.blockName = "upper";
+  upper.lower = {-1, 0, 0};
+  upper.upper = {1, 1, 1};
+  upper.divisions = {12, 4, 2};
+  upper.sideSetNames = {"", "", "", "", "upper_contact", "outside"};
+  const Mesh mesh = makeBoxes({lower, upper});
+  const std::size_t firstUpper = 10 * 4 * 3;
+  const Friction tied{"Tied"};
+  for (const char* sides : {"As Given", "Automatic"}) {
+    const auto result = ScenarioBuilder(mesh).material("lower", 100, 0.3).material("upper", 300, 0.3)
+                            .displacementField({"inside"}, "xyz", {"0.1*z - 0.2*y", "0.2*x - 0.05*z", "0.05*y - 0.1*x"})
+                            .contact("upper_contact", "lower_contact", &tied)
+                            .contactOption("Discretization", "Mortar").contactOption("Sides", sides)
+                            .decomposition("METIS", 6).tolerance(1e-12).solve();
+    TEST_ASSERT(result.solved);
+    if (result.pairs.empty()) continue;  // not the root
+    double largest = 0, error = 0;
+    for (const auto& pair : result.pairs) largest = std::max(largest, std::hypot(pair.force[0], pair.force[1], pair.force[2]));
+    for (std::size_t i = firstUpper; i < mesh.numNodes(); ++i) {
+      const auto& x = mesh.coordinates[i];
+      if (std::hypot(x[0], x[2]) < 2.1) continue;  // on the interface, where nodes were moved
+      const Array3 exact = {0.1 * x[2] - 0.2 * x[1], 0.2 * x[0] - 0.05 * x[2], 0.05 * x[1] - 0.1 * x[0]};
+      for (std::size_t c = 0; c < 3; ++c) error = std::max(error, std::abs(result.displacement[3 * i + c] - exact[c]));
+    }
+    out << "ANALYTIC largest force " << largest << " (stiffness x displacement about 100), displacement off by " << error << "\n";
+    TEST_COMPARE(largest, <=, 1e-10);
+    TEST_COMPARE(error, <=, 1e-11);
+    TEST_EQUALITY(result.pairs.size(), std::string(sides) == "As Given" ? 65u : 40u);  // the softer side carries the multipliers
+  }
+}
+
+// EXTERNAL: two cantilever beams of ESPRESO's tests, a gap between them, frictionless; largest displacement 0.1293 on these meshes.
+TEUCHOS_UNIT_TEST(Mortar, cantilevers_across_a_gap) {
+  BoxSpec lower, upper;
+  lower.blockName = "lower";
+  lower.lower = {-0.5, -2.1, 0};
+  lower.upper = {0.5, 2.9, 1};
+  lower.divisions = {4, 16, 4};
+  lower.sideSetNames = {"", "", "lower_end", "", "", "lower_contact"};
+  upper.blockName = "upper";
+  upper.lower = {-0.5, 0, 1.1};
+  upper.upper = {0.5, 5, 2.1};
+  upper.divisions = {3, 16, 3};
+  upper.sideSetNames = {"", "", "", "upper_end", "upper_contact", "top"};
+  const auto result = ScenarioBuilder(makeBoxes({lower, upper})).material("lower", 2.1e9, 0.3).material("upper", 2.1e7, 0.3)
+                          .clamp({"lower_end", "upper_end"}).pressure({"top"}, 1e5)
+                          .contact("upper_contact", "lower_contact").contactOption("Discretization", "Automatic")
+                          .decomposition("METIS", 6).tolerance(1e-8).solve();
+  TEST_ASSERT(result.solved);
+  if (result.pairs.empty()) return;  // not the root
+  double largest = 0;
+  for (std::size_t i = 0; i < result.displacement.size(); i += 3)
+    largest = std::max(largest, std::hypot(result.displacement[i], result.displacement[i + 1], result.displacement[i + 2]));
+  out << "EXTERNAL largest displacement " << largest << ", 0.1293\n";
+  TEST_COMPARE(std::abs(largest / 0.1293 - 1), <=, 0.01);
+  TEST_ASSERT(result.report.interfaces[0].slip > 0 && result.report.interfaces[0].open > 0);
+}
+
+}  // namespace
