@@ -168,7 +168,9 @@ class WrongMesh(WrongInput):
                     "lower", "upper")
 
     def test_non_matching_interface(self):
-        self.refuse(stack(Mesh__File="non_matching.exo"), "'joint'", "match")
+        scene = stack(Mesh__File="non_matching.exo")
+        scene["Contact"]["joint"]["Discretization"] = "Node To Node"
+        self.refuse(scene, "'joint'", "match", "Mortar")
 
 
 class WrongConditions(WrongInput):
