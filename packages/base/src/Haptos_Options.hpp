@@ -91,6 +91,14 @@ struct Choices<ContactSides> {
   static constexpr Choice<E> all[] = {{E::Automatic, "Automatic"}, {E::AsGiven, "As Given"}};
 };
 
+/// \brief Multipliers on quadratic faces of mortar: Automatic and Full at all nodes where a face is covered as a whole, Linear at corners.
+enum class MultiplierSpace { Automatic, Full, Linear };
+template <>
+struct Choices<MultiplierSpace> {
+  using E = MultiplierSpace;
+  static constexpr Choice<E> all[] = {{E::Automatic, "Automatic"}, {E::Full, "Full"}, {E::Linear, "Linear"}};
+};
+
 enum class FrictionLaw { Frictionless, Tresca, Coulomb };
 /// Nothing: Tied, which is no law of contact.
 template <>

@@ -109,6 +109,7 @@ ContactOptions contactOptions(const std::string& name, const ParameterList& list
   }
   contact.discretization = choiceNamed<Discretization>(list.get<std::string>("Discretization"));
   contact.sides = choiceNamed<ContactSides>(list.get<std::string>("Sides"));
+  contact.multiplierSpace = choiceNamed<MultiplierSpace>(list.get<std::string>("Multiplier Space"));
   contact.matchingTolerance = list.get<double>("Matching Tolerance");
   contact.friction = frictionOptions(list.sublist("Friction"));
   return contact;
@@ -131,6 +132,11 @@ ParameterTree contactSection() {
                          "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface; As Given the one named so")
                .defaultTo(std::string(nameOf(ContactOptions{}.sides)))
                .oneOf(choiceNames<ContactSides>()))
+      .add(ParameterSpec("Multiplier Space", {Type::String},
+                         "Mortar on quadratic faces: Linear has multipliers at corners alone, Automatic and Full at all nodes of faces that are covered "
+                         "as a whole")
+               .defaultTo(std::string(nameOf(ContactOptions{}.multiplierSpace)))
+               .oneOf(choiceNames<MultiplierSpace>()))
       .add(ParameterSpec(
                "Matching Tolerance", {Type::Double},
                "Node To Node: largest tangential distance of paired nodes, relative to the element size")

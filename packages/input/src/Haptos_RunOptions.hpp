@@ -65,6 +65,7 @@ struct ContactOptions {
   std::optional<RigidPlaneOptions> rigidPlane;
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
+  MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
   double matchingTolerance = 1e-3;  ///< of the element size
   FrictionOptions friction;
 };

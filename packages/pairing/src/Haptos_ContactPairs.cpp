@@ -167,7 +167,10 @@ std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& 
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
   checkNoSharedNode(mesh, spec, secondary, primary);
   std::string reason = "Discretization is Mortar";
-  if (spec.discretization != Discretization::Mortar) try {
+  if (hasMiddles(secondary) || hasMiddles(primary)) {  // all nodes take the rows of mortar there, the same ones where the meshes match
+    if (spec.discretization == Discretization::NodeToNode) matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
+    reason = "faces are quadratic";
+  } else if (spec.discretization != Discretization::Mortar) try {
       pairNodeToNode(spec, {mesh, spec.name, secondary, primary}, interface);
       notePenetration(mesh, secondary, interface);
       return {};
@@ -188,11 +191,18 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
   // n = -Normal: outward from the body, towards the obstacle
   const LocalFrame frame = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
   double best = -1.0;
+  const auto add = [&](std::size_t i, std::vector<NodeWeight> weights, double area) {
+    const auto fromPlane = Vec3::subtract(secondary.coordinates[i], spec.rigidPlane->point);
+    interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, -Vec3::dot(fromPlane, frame.normal), area});
+  };
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     best = std::max(best, Vec3::dot(secondary.normals[i], frame.normal));
-    const auto fromPlane = Vec3::subtract(secondary.coordinates[i], spec.rigidPlane->point);
-    interface.pairs.push_back(
-        {secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {}, frame, -Vec3::dot(fromPlane, frame.normal), secondary.areas[i]});
+    if (!hasMiddles(secondary)) add(i, {{secondary.nodes[i], 1.0}}, secondary.areas[i]);
+  }
+  if (hasMiddles(secondary)) {
+    interface.isMortar = true;
+    for (const MortarRow& row : rowsOfWholeSurface(secondary, spec.multiplierSpace == MultiplierSpace::Linear))
+      add(std::size_t(row.node), onMesh(secondary, row.secondary), row.w);
   }
   HAPTOS_REFUSE_IF(best <= 1e-6,
                    "Contact '" << spec.name << "': no face of side set '" << secondary.name

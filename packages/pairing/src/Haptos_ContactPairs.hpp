@@ -37,6 +37,7 @@ struct ContactSpec {
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
+  MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
 };
 
 /// \brief What a pairing must know beside the mesh; empty: nothing of the kind.

@@ -7,6 +7,7 @@
 #include <sstream>
 #include <tuple>
 
+#include "Haptos_FaceShapes.hpp"
 #include "Haptos_InputCheck.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -39,11 +40,10 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
   faces.reserve(sides.size());
   for (const ElementSide& side : sides) {
     auto face = nodesOfSide(mesh, offsets, side);
-    HAPTOS_REFUSE_IF(face.size() > 4, "Side set '" << name << "': side " << side.side + 1 << " of element " << elementNumber(mesh, side.element)
-                                                   << " has " << face.size() << " nodes; contact on quadratic faces is not in this "
-                                                   << "version, so use linear elements (HEX8, TET4, WEDGE6, PYRAMID5) at contact surfaces.");
-    face.erase(std::unique(face.begin(), face.end()), face.end());
-    if (face.size() > 1 && face.front() == face.back()) face.pop_back();
+    if (face.size() <= 4) {
+      face.erase(std::unique(face.begin(), face.end()), face.end());
+      if (face.size() > 1 && face.front() == face.back()) face.pop_back();
+    }
     HAPTOS_REFUSE_IF(face.size() < 3,
                      "Side set '" << name << "': side " << side.side + 1 << " of element "
                                   << elementNumber(mesh, side.element)
@@ -51,6 +51,16 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
     faces.push_back(std::move(face));
   }
   return faces;
+}
+
+// Linear facets of a face, by the places of its nodes.
+std::vector<std::array<int, 4>> facetsOfShape(int numNodes) {
+  switch (numNodes) {
+    case 6: return {{0, 3, 5, -1}, {3, 1, 4, -1}, {5, 4, 2, -1}, {3, 4, 5, -1}};
+    case 8: return {{0, 4, 7, -1}, {4, 1, 5, -1}, {5, 2, 6, -1}, {7, 6, 3, -1}, {4, 5, 6, 7}};
+    case 9: return {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
+    default: return {{0, 1, 2, numNodes == 4 ? 3 : -1}};
+  }
 }
 
 // Nodes ascend, so that they are found by bisection and two surfaces are compared in one pass.
@@ -64,13 +74,17 @@ void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>&
 
   surface.facets.reserve(faces.size());
   for (const auto& face : faces) {
-    std::array<int, 4> facet = {-1, -1, -1, -1};
+    SurfaceFace& target = surface.faces.emplace_back();
+    target.size = int(face.size());
     for (std::size_t i = 0; i < face.size(); ++i)
-      facet[i] =
+      target.nodes[i] =
           int(std::lower_bound(surface.nodes.begin(), surface.nodes.end(), face[i]) - surface.nodes.begin());
-    surface.faceOfFacet.push_back(int(surface.faces.size()));
-    surface.faces.push_back({int(face.size()), {facet[0], facet[1], facet[2], facet[3]}});
-    surface.facets.push_back(facet);
+    for (auto facet : facetsOfShape(target.size)) {
+      for (int& node : facet)
+        if (node >= 0) node = target.nodes[std::size_t(node)];
+      surface.facets.push_back(facet);
+      surface.faceOfFacet.push_back(int(surface.faces.size()) - 1);
+    }
   }
 }
 
@@ -90,6 +104,7 @@ Vec3::Array areaVector(const Corners& x, int size) {
 
 // Outward, as sides list their nodes anticlockwise from outside; a face without area has no normal and is refused.
 void setFacetNormals(const Mesh& mesh, const std::vector<ElementSide>& sides, ContactSurface& surface) {
+  const auto sideOf = [&](int facet) { return sides[std::size_t(surface.faceOfFacet[std::size_t(facet)])]; };
   surface.facetNormals.reserve(surface.numFacets());
   for (int f = 0; f < int(surface.numFacets()); ++f) {
     const Corners x = cornersOf(surface, f);
@@ -97,29 +112,37 @@ void setFacetNormals(const Mesh& mesh, const std::vector<ElementSide>& sides, Co
     const double length =
         std::max(Vec3::norm(Vec3::subtract(x[1], x[0])), Vec3::norm(Vec3::subtract(x[2], x[1])));
     HAPTOS_REFUSE_IF(!(Vec3::norm(vector) > 1e-12 * length * length),
-                     "Side set '" << surface.name << "': side " << sides[std::size_t(f)].side + 1
+                     "Side set '" << surface.name << "': side " << sideOf(f).side + 1
                                   << " of element "
-                                  << elementNumber(mesh, sides[std::size_t(f)].element)
+                                  << elementNumber(mesh, sideOf(f).element)
                                   << " has no area; the element is degenerate.");
     surface.facetNormals.push_back(Vec3::normalized(vector));
   }
 }
 
-struct Corner {
-  double angle;
-  Vec3::Array normal;
-};
-
-// The angle at corner i and the normal there, (next - x_i) x (previous - x_i); the facet's own where a quadrilateral is not convex.
-Corner cornerOf(const Corners& x, int size, int i, const Vec3::Array& facetNormal) {
-  const auto at = [&](int k) -> const Vec3::Array& { return x[std::size_t((k + size) % size)]; };
-  const auto next = Vec3::subtract(at(i + 1), at(i)), previous = Vec3::subtract(at(i - 1), at(i));
-  const auto product = Vec3::cross(next, previous);
-  const double length = Vec3::norm(product);
-  const double angle = std::atan2(length, Vec3::dot(next, previous));
-  const bool usable =
-      length > 1e-12 * Vec3::norm(next) * Vec3::norm(previous) && Vec3::dot(product, facetNormal) > 0.0;
-  return {angle, usable ? Vec3::scale(1.0 / length, product) : facetNormal};
+// Adds the normals of a face at its nodes, by the angle that it fills there: between the edges at a corner, half a turn in the middle
+// of an edge, a whole one inside; the facet's own where a corner of a quadrilateral is not convex.
+void addNormals(const SurfaceFace& face, const Vec3::Array& facetNormal, ContactSurface& surface) {
+  constexpr double kHalfTurn = 3.141592653589793;
+  const int corners = numCorners(face.size);
+  for (int i = 0; i < face.size; ++i) {
+    const Point2 at = nodeOfFace(face.size, i);
+    const FaceValues v = faceValues(face.size, at);
+    const auto towards = [&](int corner) {
+      const Point2 to = nodeOfFace(face.size, corner);
+      Vec3::Array t{};
+      for (std::size_t k = 0; k < std::size_t(face.size); ++k)
+        t = Vec3::add(t, Vec3::scale((to[0] - at[0]) * v.dXi[k] + (to[1] - at[1]) * v.dEta[k],
+                                     surface.coordinates[std::size_t(face.nodes[k])]));
+      return t;
+    };
+    const int next = (i + 1) % corners, previous = (i < corners ? i + corners - 1 : i + 2) % corners;
+    const auto a = towards(next), b = towards(previous), product = Vec3::cross(a, b);
+    const bool isUsable = Vec3::norm(product) > 1e-12 * Vec3::norm(a) * Vec3::norm(b) && Vec3::dot(product, facetNormal) > 0.0;
+    const double angle = i < corners ? std::atan2(Vec3::norm(product), Vec3::dot(a, b)) : i < 2 * corners ? kHalfTurn : 2 * kHalfTurn;
+    auto& normal = surface.normals[std::size_t(face.nodes[std::size_t(i)])];
+    normal = Vec3::add(normal, Vec3::scale(angle, isUsable ? Vec3::normalized(product) : facetNormal));
+  }
 }
 
 // Integrals of the four bilinear shape functions, 2 x 2 Gauss points.
@@ -148,7 +171,7 @@ std::array<double, 4> facetAreas(const Corners& x, int size) {
   return {third, third, third, 0.0};
 }
 
-// Adds every face to its nodes: angle-weighted normal (not yet of length 1), area, shortest edge.
+// Adds every face to its nodes: angle-weighted normal (not yet of length 1); area and shortest edge of its facets.
 void accumulateNodalData(ContactSurface& surface) {
   surface.normals.assign(surface.numNodes(), Vec3::Array{});
   surface.areas.assign(surface.numNodes(), 0.0);
@@ -163,11 +186,12 @@ void accumulateNodalData(ContactSurface& surface) {
           std::min(shortest, Vec3::norm(Vec3::subtract(x[std::size_t((i + 1) % size)], x[std::size_t(i)])));
     for (int i = 0; i < size; ++i) {
       const auto node = std::size_t(surface.facets[std::size_t(f)][std::size_t(i)]);
-      const Corner corner = cornerOf(x, size, i, surface.facetNormals[std::size_t(f)]);
-      surface.normals[node] = Vec3::add(surface.normals[node], Vec3::scale(corner.angle, corner.normal));
       surface.areas[node] += areas[std::size_t(i)];
       surface.sizes[node] = std::min(surface.sizes[node], shortest);
     }
+    const int face = surface.faceOfFacet[std::size_t(f)];
+    if (f + 1 == int(surface.numFacets()) || surface.faceOfFacet[std::size_t(f + 1)] != face)
+      addNormals(surface.faces[std::size_t(face)], surface.facetNormals[std::size_t(f)], surface);
   }
 }
 

@@ -11,23 +11,55 @@ namespace {
 constexpr double kSingular = 1e-8;   // of the largest eigenvalue of M', scaled to 1
 constexpr double kNegligible = 1e-14;  // of a row whose weights add up to 1: what biorthogonality leaves of zeros
 
+constexpr double kWhole = 0.99;        // of a face's area: as good as all of it, as facets of curved faces cover each other but so well
+constexpr double kAlpha = 0.2;         // what corners take of the middles beside them
+
+// Functions of the corners of a face: middles and centre are means of corners.
+Eigen::MatrixXd cornerFunctions(int size) {
+  const int corners = numCorners(size);
+  Eigen::MatrixXd C = Eigen::MatrixXd::Zero(corners, size);
+  for (int i = 0; i < corners; ++i) {
+    C(i, i) = 1;
+    if (isLinear(size)) continue;
+    C(i, corners + i) = C(i, corners + (i + corners - 1) % corners) = 0.5;
+    if (size == 9) C(i, 8) = 0.25;
+  }
+  return C;
+}
+
+// Functions of all nodes of a quadratic face, whose integrals are positive.
+Eigen::MatrixXd fullFunctions(int size) {
+  Eigen::MatrixXd C = Eigen::MatrixXd::Identity(size, size);
+  if (size == 9) return C;
+  const int corners = numCorners(size);
+  for (int i = 0; i < corners; ++i) {
+    C(corners + i, corners + i) = 1 - 2 * kAlpha;
+    C(i, corners + i) = C((i + 1) % corners, corners + i) = kAlpha;
+  }
+  return C;
+}
+
 // C: [kept nodes of the face x its nodes]
 struct FaceBasis {
   std::vector<std::size_t> kept;  // places in the face
   Eigen::MatrixXd C;
   bool isShared = false;
 
-  FaceBasis(std::vector<std::size_t> places, Eigen::Index size) : kept(std::move(places)) {
-    const auto k = Eigen::Index(kept.size());
-    isShared = k < size;
-    C = Eigen::MatrixXd::Constant(k, size, 1.0 / double(k));
-    for (Eigen::Index i = 0; i < k; ++i) C.col(Eigen::Index(kept[std::size_t(i)])) = Eigen::VectorXd::Unit(k, i);
+  explicit FaceBasis(int size) : C(fullFunctions(size)) {
+    for (std::size_t i = 0; i < std::size_t(size); ++i) kept.push_back(i);
+  }
+  FaceBasis(std::vector<std::size_t> corners, int size) : kept(std::move(corners)) {
+    const auto k = Eigen::Index(kept.size()), all = Eigen::Index(numCorners(size));
+    isShared = k < all;
+    Eigen::MatrixXd shares = Eigen::MatrixXd::Constant(k, all, 1.0 / double(k));
+    for (Eigen::Index i = 0; i < k; ++i) shares.col(Eigen::Index(kept[std::size_t(i)])) = Eigen::VectorXd::Unit(k, i);
+    C = shares * cornerFunctions(size);
   }
 };
 
-std::vector<std::size_t> keptPlaces(const SurfaceFace& face, const std::vector<char>& isKept) {
+std::vector<std::size_t> keptCorners(const SurfaceFace& face, const std::vector<char>& isKept) {
   std::vector<std::size_t> places;
-  for (std::size_t i = 0; i < std::size_t(face.size); ++i)
+  for (std::size_t i = 0; i < std::size_t(numCorners(face.size)); ++i)
     if (isKept[std::size_t(face.nodes[i])]) places.push_back(i);
   return places;
 }
@@ -40,7 +72,7 @@ Eigen::MatrixXd dualCoefficients(const FaceIntegrals& sums, FaceBasis& basis) {
   if (basis.kept.size() > 1 && !(scaled.values[0] > kSingular)) {
     Eigen::Index largest = 0;
     root.maxCoeff(&largest);
-    basis = FaceBasis({basis.kept[std::size_t(largest)]}, sums.d.size());
+    basis = FaceBasis({basis.kept[std::size_t(largest)]}, int(sums.d.size()));
     return basis.C;
   }
   return root.asDiagonal() * (scaled.vectors * scaled.values.cwiseInverse().asDiagonal() * scaled.vectors.transpose()) *
@@ -68,39 +100,52 @@ void finish(Entries& entries, double w) {
 
 }  // namespace
 
-std::vector<char> keptNodes(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<char>& isBarred) {
-  std::vector<char> isKept = overlap.isCovered;
-  for (std::size_t i = 0; i < isKept.size(); ++i) isKept[i] = isKept[i] && !isBarred[i];
+MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<char>& isBarred,
+                                  bool linearOnly) {
+  MultiplierNodes result{std::vector<char>(secondary.numNodes(), 0), std::vector<char>(secondary.faces.size(), 0)};
+  const auto isFree = [&](int node) { return overlap.isCovered[std::size_t(node)] && !isBarred[std::size_t(node)]; };
   for (std::size_t f = 0; f < secondary.faces.size(); ++f) {
     const SurfaceFace& face = secondary.faces[f];
-    const FaceIntegrals& sums = overlap.faces[f];
-    if (!(sums.area > 0) || !keptPlaces(face, isKept).empty()) continue;
-    int best = -1;
-    for (int i = 0; i < face.size; ++i)
-      if (!isBarred[std::size_t(face.nodes[std::size_t(i)])] && (best < 0 || sums.d[i] > sums.d[best])) best = i;
-    if (best >= 0) isKept[std::size_t(face.nodes[std::size_t(best)])] = 1;
+    const auto first = face.nodes.begin(), end = first + face.size;
+    result.isFull[f] = !linearOnly && !isLinear(face.size) && overlap.faces[f].area >= kWhole * overlap.areas[f] && std::all_of(first, end, isFree);
+    if (!(overlap.faces[f].area > 0)) continue;
+    std::for_each(first, result.isFull[f] ? end : first + numCorners(face.size), [&](int node) {
+      if (isFree(node)) result.isKept[std::size_t(node)] = 1;
+    });
   }
-  return isKept;
+  for (std::size_t f = 0; f < secondary.faces.size(); ++f) {
+    const SurfaceFace& face = secondary.faces[f];
+    if (!(overlap.faces[f].area > 0) || !keptCorners(face, result.isKept).empty()) continue;
+    const Eigen::VectorXd d = cornerFunctions(face.size) * overlap.faces[f].d;
+    int best = -1;
+    for (int i = 0; i < int(d.size()); ++i)
+      if (!isBarred[std::size_t(face.nodes[std::size_t(i)])] && (best < 0 || d[i] > d[best])) best = i;
+    if (best >= 0) result.isKept[std::size_t(face.nodes[std::size_t(best)])] = 1;
+  }
+  return result;
 }
 
 std::vector<MortarRow> dualMortarRows(const ContactSurface& secondary, const ContactSurface& primary, const SurfaceOverlap& overlap,
-                                      const std::vector<char>& isKept) {
+                                      const MultiplierNodes& multipliers) {
   std::vector<MortarRow> rows(secondary.numNodes());
+  std::vector<double> facesAt(secondary.numNodes(), 0.0);
   for (std::size_t f = 0; f < secondary.faces.size(); ++f) {
     const SurfaceFace& face = secondary.faces[f];
     const FaceIntegrals& sums = overlap.faces[f];
-    auto places = keptPlaces(face, isKept);
+    auto places = keptCorners(face, multipliers.isKept);
     if (!(sums.area > 0) || places.empty()) continue;
-    FaceBasis basis(std::move(places), face.size);
+    FaceBasis basis = multipliers.isFull[f] ? FaceBasis(face.size) : FaceBasis(std::move(places), face.size);
     const Eigen::MatrixXd phi = dualCoefficients(sums, basis);
     const Eigen::MatrixXd D = phi * sums.M, gap = phi * sums.gap;
     const Eigen::VectorXd w = phi * sums.d;
+    for (int i = 0; i < face.size; ++i) ++facesAt[std::size_t(face.nodes[std::size_t(i)])];
     for (std::size_t k = 0; k < basis.kept.size(); ++k) {
       const auto row = Eigen::Index(k);
       MortarRow& target = rows[std::size_t(face.nodes[basis.kept[k]])];
       target.w += w[row];
       target.isShared = target.isShared || basis.isShared;
       add(target.secondary, face, D.row(row));
+      add(target.spread, face, basis.C.row(row));
       for (const auto& [other, N] : sums.across) add(target.primary, primary.faces[std::size_t(other)], phi.row(row) * N);
       for (std::size_t c = 0; c < 3; ++c) target.gap[c] += gap(row, Eigen::Index(c));
     }
@@ -111,6 +156,8 @@ std::vector<MortarRow> dualMortarRows(const ContactSurface& secondary, const Con
     rows[i].node = int(i);
     finish(rows[i].secondary, rows[i].w);
     finish(rows[i].primary, rows[i].w);
+    for (auto& [node, share] : rows[i].spread) share /= facesAt[std::size_t(node)];
+    finish(rows[i].spread, 1);
     for (double& g : rows[i].gap) g /= rows[i].w;
     kept.push_back(std::move(rows[i]));
   }

@@ -60,6 +60,12 @@ FaceValues triangle(int numNodes, const Point2& at) {
 
 }  // namespace
 
+Point2 nodeOfFace(int numNodes, int node) {
+  constexpr std::array<Point2, 6> kOfTriangle = {{{0, 0}, {1, 0}, {0, 1}, {0.5, 0}, {0.5, 0.5}, {0, 0.5}}};
+  const auto i = std::size_t(node);
+  return isTriangle(numNodes) ? kOfTriangle[i] : Point2{double(kPlaces[i][0]), double(kPlaces[i][1])};
+}
+
 FaceValues faceValues(int numNodes, const Point2& at) {
   if (isTriangle(numNodes)) return triangle(numNodes, at);
   if (numNodes == 8) return serendipity(at);

@@ -19,6 +19,7 @@ constexpr bool isTriangle(int numNodes) { return numNodes == 3 || numNodes == 6;
 constexpr bool isLinear(int numNodes) { return numNodes <= 4; }
 constexpr int numCorners(int numNodes) { return isTriangle(numNodes) ? 3 : 4; }
 
+Point2 nodeOfFace(int numNodes, int node);  ///< its reference place
 FaceValues faceValues(int numNodes, const Point2& at);
 
 /// \brief How far a point lies beyond the edges of the reference face, in lengths of its edges; negative inside.

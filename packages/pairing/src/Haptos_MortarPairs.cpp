@@ -45,12 +45,6 @@ class PointwiseGap {
   std::vector<int> found_;
 };
 
-std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<std::pair<int, double>>& entries) {
-  std::vector<NodeWeight> weights;
-  for (const auto& [node, weight] : entries) weights.push_back({surface.nodes[std::size_t(node)], weight});
-  return weights;
-}
-
 // Rows of a pair, N, T1, T2 or by global axes, along which the node is held.
 std::array<char, 3> heldRows(const std::array<char, 3>& isPrescribed, const LocalFrame& frame, bool isTied) {
   if (isTied) return isPrescribed;
@@ -63,21 +57,30 @@ std::array<char, 3> heldRows(const std::array<char, 3>& isPrescribed, const Loca
   return held;
 }
 
-// D x_s = M x_p for the rows of all kept nodes: D differs from the identity only where nodes stand for neighbours.
+// D (x_s + C^T m) = M x_p:  D C^T is the identity but for nodes that stand for neighbours, which corrections see to.
+std::vector<Vec3::Array> movesOntoPrimary(const ContactSurface& s, const std::vector<MortarRow>& rows) {
+  std::vector<Vec3::Array> moves(s.numNodes(), Vec3::Array{});
+  constexpr int kMostCorrections = 1000;
+  double rest = 1;
+  for (int correction = 0; correction < kMostCorrections && rest > roundOff / 10; ++correction) {
+    std::vector<Vec3::Array> rests;
+    rest = 0;
+    for (const MortarRow& row : rows) {
+      rests.push_back(row.gap);
+      for (const auto& [node, weight] : row.secondary)
+        rests.back() = Vec3::subtract(rests.back(), Vec3::scale(weight, moves[std::size_t(node)]));
+      rest = std::max(rest, Vec3::norm(rests.back()) / s.sizes[std::size_t(row.node)]);
+    }
+    for (std::size_t r = 0; r < rows.size(); ++r)
+      for (const auto& [node, share] : rows[r].spread)
+        moves[std::size_t(node)] = Vec3::add(moves[std::size_t(node)], Vec3::scale(share, rests[r]));
+  }
+  return moves;
+}
+
 void moveTiedNodes(const MortarDraft& draft, const std::vector<MortarRow>& rows, ContactInterface& interface) {
   const ContactSurface& s = draft.secondary;
-  std::vector<Vec3::Array> moves(s.numNodes(), Vec3::Array{});
-  constexpr int kSweeps = 30;  // each leaves less than half of the rest
-  for (int sweep = 0; sweep < kSweeps; ++sweep)
-    for (const MortarRow& row : rows) {
-      Vec3::Array rest = row.gap;
-      double own = 0;
-      for (const auto& [node, weight] : row.secondary) {
-        rest = Vec3::subtract(rest, Vec3::scale(weight, moves[std::size_t(node)]));
-        if (node == row.node) own = weight;
-      }
-      if (own > 0) moves[std::size_t(row.node)] = Vec3::add(moves[std::size_t(row.node)], Vec3::scale(1 / std::max(own, 0.5), rest));
-    }
+  const auto moves = movesOntoPrimary(s, rows);
   double largest = 0;
   std::size_t tooFar = 0;
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -103,6 +106,21 @@ void moveTiedNodes(const MortarDraft& draft, const std::vector<MortarRow>& rows,
 
 }  // namespace
 
+bool hasMiddles(const ContactSurface& surface) {
+  return std::any_of(surface.faces.begin(), surface.faces.end(), [](const SurfaceFace& face) { return !isLinear(face.size); });
+}
+
+std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<std::pair<int, double>>& entries) {
+  std::vector<NodeWeight> weights;
+  for (const auto& [node, weight] : entries) weights.push_back({surface.nodes[std::size_t(node)], weight});
+  return weights;
+}
+
+std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly) {
+  const auto whole = wholeSurface(surface);
+  return dualMortarRows(surface, surface, whole, chooseMultipliers(surface, whole, std::vector<char>(surface.numNodes(), 0), linearOnly));
+}
+
 void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, std::vector<std::string>& notes) {
   draft.isBarred.resize(draft.secondary.numNodes(), 0);
   if (around.isPrescribed.empty()) return;
@@ -124,8 +142,8 @@ void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, std::ve
 
 void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface) {
   const ContactSurface& s = draft.secondary;
-  const auto isKept = keptNodes(s, draft.overlap, draft.isBarred);
-  const auto rows = dualMortarRows(s, draft.primary, draft.overlap, isKept);
+  const auto multipliers = chooseMultipliers(s, draft.overlap, draft.isBarred, draft.spec->multiplierSpace == MultiplierSpace::Linear);
+  const auto rows = dualMortarRows(s, draft.primary, draft.overlap, multipliers);
   PointwiseGap gaps(s, draft.primary);
   for (const MortarRow& row : rows) {
     const auto i = std::size_t(row.node);
@@ -137,7 +155,7 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
       pair.isPinned = heldRows(around.isPrescribed[std::size_t(pair.secondaryNode)], pair.frame, draft.spec->tied);
     interface.pairs.push_back(std::move(pair));
   }
-  for (std::size_t i = 0; i < s.numNodes(); ++i) interface.unpairedNodes += !isKept[i] && !draft.isBarred[i];
+  for (std::size_t i = 0; i < s.numNodes(); ++i) interface.unpairedNodes += !draft.overlap.isCovered[i] && !multipliers.isKept[i];
   if (draft.spec->tied) moveTiedNodes(draft, rows, interface);
 }
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "Haptos_ContactPairs.hpp"
@@ -16,6 +17,13 @@ struct MortarDraft {
   std::vector<char> isBarred;  ///< [secondary nodes] from carrying a multiplier, whatever covers them
   std::string exchange;        ///< what the secondary side is, where it is not the user's; else empty
 };
+
+bool hasMiddles(const ContactSurface& surface);  ///< whether it has quadratic faces
+
+std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<std::pair<int, double>>& entries);
+
+/// \brief Rows opposite a rigid obstacle.
+std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly);
 
 /// \brief Bars nodes whose normal displacement is prescribed (all of it, of a tied interface): what they cannot follow, their
 /// neighbours take.  Notes how many.

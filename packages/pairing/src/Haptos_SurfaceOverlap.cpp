@@ -34,13 +34,9 @@ class Overlap {
   Overlap(const ContactSurface& secondary, const ContactSurface& primary) : s_(secondary), p_(primary), tree_(primary) {}
 
   SurfaceOverlap run() {
+    result_ = wholeSurface(s_);
     result_.isCovered.assign(s_.numNodes(), 0);
-    for (const SurfaceFace& face : s_.faces) {
-      FaceIntegrals& sums = result_.faces.emplace_back();
-      sums.d = Eigen::VectorXd::Zero(face.size);
-      sums.M = Eigen::MatrixXd::Zero(face.size, face.size);
-      sums.gap = Eigen::MatrixXd::Zero(face.size, 3);
-    }
+    for (std::size_t f = 0; f < s_.faces.size(); ++f) result_.faces[f] = FaceIntegrals(s_.faces[f].size);
     for (int f = 0; f < int(s_.numFacets()); ++f) cutFacet(f);
     return std::move(result_);
   }
@@ -167,14 +163,48 @@ void Overlap::addPoint(const ProjectedFace& own, const ProjectedFace& other, con
   const double dA = weight * Vec3::norm(normal) / std::abs(Vec3::dot(normal, plane.normal));
   const Eigen::Map<const Eigen::VectorXd> N(v.N.data(), own.face.size), Np(w.N.data(), other.face.size);
   const auto gap = Vec3::subtract(other.sum(w.N), own.sum(v.N));
-  sums.area += dA;
-  sums.d += dA * N;
-  sums.M += dA * N * N.transpose();
+  sums.add(v, dA);
   sums.gap += dA * N * Eigen::Map<const Eigen::RowVector3d>(gap.data());
   across += dA * N * Np.transpose();
 }
 
 }  // namespace
+
+FaceIntegrals::FaceIntegrals(int size)
+    : d(Eigen::VectorXd::Zero(size)), M(Eigen::MatrixXd::Zero(size, size)), gap(Eigen::MatrixXd::Zero(size, 3)) {}
+
+void FaceIntegrals::add(const FaceValues& values, double dA) {
+  const Eigen::Map<const Eigen::VectorXd> N(values.N.data(), d.size());
+  area += dA;
+  d += dA * N;
+  M += dA * N * N.transpose();
+}
+
+// Squares as two triangles.
+SurfaceOverlap wholeSurface(const ContactSurface& surface) {
+  SurfaceOverlap result;
+  result.isCovered.assign(surface.numNodes(), 1);
+  for (const SurfaceFace& face : surface.faces) {
+    FaceIntegrals& sums = result.faces.emplace_back(face.size);
+    for (int half = 0; half < numCorners(face.size) - 2; ++half)
+      for (const TrianglePoint& point : thirtySixPoints()) {
+        const int corners[3] = {0, half + 1, half + 2};
+        Point2 at{0, 0};
+        for (int k = 0; k < 3; ++k)
+          for (std::size_t c = 0; c < 2; ++c) at[c] += point.shares[std::size_t(k)] * nodeOfFace(face.size, corners[k])[c];
+        const FaceValues v = faceValues(face.size, at);
+        Vec3::Array a{}, b{};
+        for (std::size_t k = 0; k < std::size_t(face.size); ++k) {
+          a = Vec3::add(a, Vec3::scale(v.dXi[k], surface.coordinates[std::size_t(face.nodes[k])]));
+          b = Vec3::add(b, Vec3::scale(v.dEta[k], surface.coordinates[std::size_t(face.nodes[k])]));
+        }
+        const double reference = isTriangle(face.size) ? 0.5 : 2;
+        sums.add(v, reference * point.weight * Vec3::norm(Vec3::cross(a, b)));
+      }
+    result.areas.push_back(sums.area);
+  }
+  return result;
+}
 
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary) {
   return Overlap(secondary, primary).run();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_ContactSurface.hpp"
+#include "Haptos_FaceShapes.hpp"
 
 namespace Haptos {
 
@@ -17,10 +18,14 @@ struct FaceIntegrals {
   Eigen::MatrixXd M;    ///< [n x n] int N N^T
   Eigen::MatrixXd gap;  ///< [n x 3] int N (x_p - x_s)^T
   std::vector<std::pair<int, Eigen::MatrixXd>> across;  ///< primary face, [n x nodes of it] int N N_p^T
+
+  explicit FaceIntegrals(int size);
+  void add(const FaceValues& values, double dA);  ///< a point, to area, d and M
 };
 
 struct SurfaceOverlap {
   std::vector<FaceIntegrals> faces;  ///< [secondary faces] area 0, and nothing else, where nothing is opposite
+  std::vector<double> areas;         ///< [secondary faces] of the whole faces
   std::vector<char> isCovered;       ///< [secondary nodes] whether a primary face lies opposite the node itself
 };
 
@@ -32,5 +37,8 @@ struct SurfaceOverlap {
 /// Primary facets count at whatever distance, the nearest of several layers only (Puso and Laursen 2004).
 /// \throws InputError where a face is too distorted to be inverted
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary);
+
+/// \brief All of a surface, opposite a rigid obstacle: nothing across, no gap.  Serial.
+SurfaceOverlap wholeSurface(const ContactSurface& surface);
 
 }  // namespace Haptos

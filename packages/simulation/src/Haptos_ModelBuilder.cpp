@@ -57,6 +57,7 @@ ContactSpec contactSpec(const ContactOptions& options) {
   spec.matchingTolerance = options.matchingTolerance;
   spec.discretization = options.discretization;
   spec.sides = options.sides;
+  spec.multiplierSpace = options.multiplierSpace;
   spec.tied = !options.friction.law;
   spec.principalDirection = options.friction.principalDirection;
   return spec;
