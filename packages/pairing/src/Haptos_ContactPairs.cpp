@@ -10,7 +10,7 @@
 
 #include "Haptos_ContactSurface.hpp"
 #include "Haptos_InputCheck.hpp"
-#include "Haptos_MortarPairs.hpp"
+#include "Haptos_MultiplierRules.hpp"
 #include "Haptos_SurfaceMatching.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -56,22 +56,28 @@ ContactSurface surfaceOf(const Mesh& mesh, const ContactSpec& spec, const std::s
   }
 }
 
-// A node on both surfaces would be in contact with itself: bodies must be apart there, by nodes of their own.
-void checkNoSharedNode(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary,
-                       const ContactSurface& primary) {
+// A node on both surfaces would be in contact with itself.  Where the surfaces look at each other (crack tips) it takes no part;
+// elsewhere bodies must be apart, by nodes of their own.
+void checkSharedNodes(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary, const ContactSurface& primary) {
+  constexpr double kOpposing = -0.2;
   std::vector<std::int64_t> shared;
   std::set_intersection(secondary.nodes.begin(), secondary.nodes.end(), primary.nodes.begin(),
                         primary.nodes.end(), std::back_inserter(shared));
-  if (shared.empty()) return;
-  HAPTOS_REFUSE_IF(secondary.nodes == primary.nodes,
+  HAPTOS_REFUSE_IF(shared.size() == std::min(secondary.numNodes(), primary.numNodes()),
                    "Contact '" << spec.name << "': side sets '" << secondary.name << "' and '"
                                << primary.name << "' hold the same nodes, "
                                << describeNode(mesh, shared[0])
                                << " for one; a surface cannot be in contact with itself.");
-  HAPTOS_REFUSE_IF(true,
+  const auto normalAt = [](const ContactSurface& surface, std::int64_t node) {
+    return surface.normals[std::size_t(std::lower_bound(surface.nodes.begin(), surface.nodes.end(), node) - surface.nodes.begin())];
+  };
+  shared.erase(std::remove_if(shared.begin(), shared.end(),
+                              [&](std::int64_t node) { return Vec3::dot(normalAt(secondary, node), normalAt(primary, node)) < kOpposing; }),
+               shared.end());
+  HAPTOS_REFUSE_IF(!shared.empty(),
                    "Contact '" << spec.name << "': " << describeNode(mesh, shared[0]) << " is in side set '"
                                << secondary.name << "' and in '" << primary.name << "' (so are " << shared.size() - 1
-                               << " more); a node cannot be in contact with itself. The bodies need "
+                               << " more), which do not look at each other there; a node cannot be in contact with itself. The bodies need "
                                   "nodes of their own there, or the faces must leave the side sets.");
 }
 
@@ -107,17 +113,26 @@ void notePenetration(const Mesh& mesh, const ContactSurface& secondary, ContactI
 void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, ContactInterface& interface) {
   const ContactSurface &secondary = couple.secondary, &primary = couple.primary;
   const SurfaceMatch match = matchSurfaces(couple, spec.matchingTolerance);
+  std::size_t onBothSides = 0;
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     if (match.partner[i] < 0) {
       ++interface.unpairedNodes;
       continue;
     }
-    interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{primary.nodes[std::size_t(match.partner[i])], 1.0}},
+    const auto partner = primary.nodes[std::size_t(match.partner[i])];
+    if (partner == secondary.nodes[i]) {
+      ++onBothSides;
+      continue;
+    }
+    interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{partner, 1.0}},
                                makeFrame(secondary.normals[i], spec.principalDirection), match.gap[i],
                                secondary.areas[i]});
   }
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(secondary, primary, interface.unpairedNodes));
+  if (onBothSides > 0)
+    interface.notes.push_back(std::to_string(onBothSides) + " nodes are in '" + secondary.name + "' and in '" + primary.name +
+                              "' and take no part in the contact");
   if (match.mismatched > 0)
     interface.notes.push_back("the nodes of '" + secondary.name + "' and '" + primary.name + "' match, but " +
                               std::to_string(match.mismatched) +
@@ -138,17 +153,26 @@ double meanArea(const ContactSurface& surface) {
   return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / double(surface.faces.size());
 }
 
+// Whether supports prescribe the motion of all nodes along their normals.
+bool isHeld(const ContactSurface& surface, const ContactSurroundings& around) {
+  for (std::size_t i = 0; i < surface.numNodes() && !around.isPrescribed.empty(); ++i)
+    if (!isNormalHeld(around, surface, i)) return false;
+  return !around.isPrescribed.empty();
+}
+
 // Why the sides of a mortar interface are to be exchanged; empty: they are not.
 std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
                              const ContactSurface& primary) {
   constexpr double kStiffer = 1.5, kFiner = 0.8;  // ratios that differ by more than chance
   if (spec.sides == ContactSides::AsGiven) return "";
+  const bool isDriven = isHeld(secondary, around), isPrimaryDriven = isHeld(primary, around);
+  if (isDriven != isPrimaryDriven) return isDriven ? "which is not held" : "";
   if (!around.youngsModulus.empty()) {
     const double E1 = stiffnessAt(mesh, around, spec.secondarySideSet), E2 = stiffnessAt(mesh, around, spec.primarySideSet);
-    if (E1 > kStiffer * E2) return "the softer";
+    if (E1 > kStiffer * E2) return "the softer of the two";
     if (E2 > kStiffer * E1) return "";
   }
-  return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer" : "";
+  return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer of the two" : "";
 }
 
 // What is covered is integrated now; which nodes carry multipliers is decided when all interfaces are known.
@@ -157,6 +181,7 @@ MortarDraft draftMortar(const Mesh& mesh, const ContactSpec& spec, const Contact
   const std::string exchange = reasonToExchange(mesh, spec, around, secondary, primary);
   if (!exchange.empty()) std::swap(secondary, primary);
   MortarDraft draft{&spec, std::move(secondary), std::move(primary), {}, {}, exchange};
+  draft.bars.assign(draft.secondary.numNodes(), Bar::None);
   draft.overlap = integrateOverlap(draft.secondary, draft.primary);
   return draft;
 }
@@ -165,7 +190,7 @@ MortarDraft draftMortar(const Mesh& mesh, const ContactSpec& spec, const Contact
 std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
                                            ContactSurface secondary, ContactInterface& interface) {
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
-  checkNoSharedNode(mesh, spec, secondary, primary);
+  checkSharedNodes(mesh, spec, secondary, primary);
   std::string reason = "Discretization is Mortar";
   if (hasMiddles(secondary) || hasMiddles(primary)) {  // all nodes take the rows of mortar there, the same ones where the meshes match
     if (spec.discretization == Discretization::NodeToNode) matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
@@ -182,7 +207,7 @@ std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& 
   MortarDraft draft = draftMortar(mesh, spec, around, std::move(secondary), std::move(primary));
   interface.remarks.push_back("'" + spec.name + "' is joined by mortar (" + reason + ")" +
                               (draft.exchange.empty() ? "" : "; its sides are exchanged: '" + draft.secondary.name + "', " + draft.exchange +
-                                                                 " of the two, carries the multipliers"));
+                                                                 ", carries the multipliers"));
   return draft;
 }
 
@@ -223,9 +248,23 @@ std::optional<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& s
   return {};
 }
 
+// Every node deeper inside the other body than its element is large: no fit is so tight.
+void requireFacing(const MortarDraft& draft, const ContactInterface& interface) {
+  const ContactSurface& s = draft.secondary;
+  const bool isInside = !interface.pairs.empty() && std::all_of(interface.pairs.begin(), interface.pairs.end(), [&](const ContactPair& pair) {
+    const auto position = std::lower_bound(s.nodes.begin(), s.nodes.end(), pair.secondaryNode) - s.nodes.begin();
+    return pair.gap < -2 * s.sizes[std::size_t(position)];
+  });
+  HAPTOS_REFUSE_IF(isInside, "Contact '" << interface.name << "': all of side set '" << s.name << "' lies behind '" << draft.primary.name
+                                         << "', deeper than two elements; the surfaces look away from each other. Is one of them the wrong side set?");
+  const bool isAnyCovered = std::any_of(draft.overlap.faces.begin(), draft.overlap.faces.end(), [](const auto& sums) { return sums.area > 0; });
+  HAPTOS_REFUSE_IF(!isAnyCovered, "Contact '" << interface.name << "': no face of side set '" << draft.primary.name << "' lies opposite one of '"
+                                              << s.name << "' and looks at it; name surfaces that face each other.");
+}
+
 void finishMortar(const Mesh& mesh, const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
-  barHeldNodes(around, draft, interface.notes);
   addMortarPairs(around, draft, interface);
+  requireFacing(draft, interface);
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(draft.secondary, draft.primary, interface.unpairedNodes));
   notePenetration(mesh, draft.secondary, interface);
@@ -237,6 +276,7 @@ std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<C
   std::vector<ContactInterface> interfaces(specs.size());
   std::vector<std::optional<MortarDraft>> drafts;
   for (std::size_t k = 0; k < specs.size(); ++k) drafts.push_back(startInterface(mesh, specs[k], around, interfaces[k]));
+  barDependentNodes(around, drafts, interfaces);
   for (std::size_t k = 0; k < specs.size(); ++k)
     if (drafts[k]) finishMortar(mesh, around, *drafts[k], interfaces[k]);
   return interfaces;

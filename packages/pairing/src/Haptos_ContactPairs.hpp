@@ -33,6 +33,7 @@ struct ContactSpec {
   std::string primarySideSet;    ///< name or number; empty: rigid plane
   std::optional<RigidPlane> rigidPlane;
   bool tied = false;             ///< bonded, no contact law
+  bool isFrictionless = false;   ///< so that two contacts may act on one node in different directions
   std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
   Discretization discretization = Discretization::Automatic;
@@ -53,7 +54,7 @@ struct ContactSurroundings {
 /// one, and of two alike the finer.  A node may be secondary in several interfaces (a corner): it then has a pair in each.
 /// \throws NonMatchingError if the nodes of two surfaces do not match that are to be paired node to node
 /// \throws InputError for a side set that is missing, an interface without or with two obstacles, a node on
-///   both sides of an interface, normals that do not oppose, a direction that is zero or not finite
+///   both sides that do not look at each other, normals that do not oppose, a direction that is zero or not finite
 std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs, const ContactSurroundings& around = {});
 
 }  // namespace Haptos

@@ -100,10 +100,10 @@ void finish(Entries& entries, double w) {
 
 }  // namespace
 
-MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<char>& isBarred,
+MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<Bar>& bars,
                                   bool linearOnly) {
   MultiplierNodes result{std::vector<char>(secondary.numNodes(), 0), std::vector<char>(secondary.faces.size(), 0)};
-  const auto isFree = [&](int node) { return overlap.isCovered[std::size_t(node)] && !isBarred[std::size_t(node)]; };
+  const auto isFree = [&](int node) { return overlap.isCovered[std::size_t(node)] && bars[std::size_t(node)] == Bar::None; };
   for (std::size_t f = 0; f < secondary.faces.size(); ++f) {
     const SurfaceFace& face = secondary.faces[f];
     const auto first = face.nodes.begin(), end = first + face.size;
@@ -118,8 +118,9 @@ MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const Surface
     if (!(overlap.faces[f].area > 0) || !keptCorners(face, result.isKept).empty()) continue;
     const Eigen::VectorXd d = cornerFunctions(face.size) * overlap.faces[f].d;
     int best = -1;
+    const auto barOf = [&](int i) { return bars[std::size_t(face.nodes[std::size_t(i)])]; };
     for (int i = 0; i < int(d.size()); ++i)
-      if (!isBarred[std::size_t(face.nodes[std::size_t(i)])] && (best < 0 || d[i] > d[best])) best = i;
+      if (barOf(i) != Bar::Taken && (best < 0 || barOf(i) < barOf(best) || (barOf(i) == barOf(best) && d[i] > d[best]))) best = i;
     if (best >= 0) result.isKept[std::size_t(face.nodes[std::size_t(best)])] = 1;
   }
   return result;

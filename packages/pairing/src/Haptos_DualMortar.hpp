@@ -24,10 +24,14 @@ struct MultiplierNodes {
   std::vector<char> isFull;  ///< [secondary faces] quadratic, with multipliers at all nodes; else at corners alone
 };
 
-/// \brief Corners that are covered, but not barred, and on a covered face that would be left without one its free corner of largest
-/// int N; all nodes of quadratic faces that are covered as a whole.
-/// \param isBarred [secondary nodes] \param linearOnly no face is full
-MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<char>& isBarred,
+/// \brief Why a node shall not carry a multiplier.  A face all corners of which are Held has one all the same, as the primary
+/// surface must not pass through it.
+enum class Bar : char { None, Held, Taken };
+
+/// \brief Corners that are covered, but not barred, and on a covered face that would be left without one its free (else held) corner of
+/// largest int N; all nodes of quadratic faces that are covered as a whole.
+/// \param bars [secondary nodes] \param linearOnly no face is full
+MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<Bar>& bars,
                                   bool linearOnly = false);
 
 /// \brief Rows of the kept nodes with dual shape functions on the covered part of every face, ascending in the node:

@@ -13,7 +13,6 @@
 namespace Haptos {
 namespace {
 
-constexpr double kHeldNormal = 0.05;  // what prescribed components leave of a unit normal
 constexpr double kAlongAxis = 1e-6;   // one minus the component of a direction that is an axis
 constexpr double kFarthestMove = 0.25;  // of the element size: elements stay regular
 
@@ -45,16 +44,19 @@ class PointwiseGap {
   std::vector<int> found_;
 };
 
-// Rows of a pair, N, T1, T2 or by global axes, along which the node is held.
-std::array<char, 3> heldRows(const std::array<char, 3>& isPrescribed, const LocalFrame& frame, bool isTied) {
-  if (isTied) return isPrescribed;
-  std::array<char, 3> held{};
+// Rows of a pair, T1, T2 or by global axes, along which nodes of both sides are held, as at planes of symmetry.
+std::array<char, 3> heldRows(const ContactSurroundings& around, const ContactPair& pair, bool isTied) {
+  std::array<char, 3> held = around.isPrescribed[std::size_t(pair.secondaryNode)], rows{};
+  for (std::size_t d = 0; d < 3; ++d)
+    held[d] = held[d] && std::any_of(pair.primary.begin(), pair.primary.end(),
+                                     [&](const NodeWeight& item) { return around.isPrescribed[std::size_t(item.node)][d] != 0; });
+  if (isTied) return held;
   for (std::size_t d = 0; d < 3; ++d) {
-    if (!isPrescribed[d]) continue;
-    held[1] |= std::abs(frame.t1[d]) > 1 - kAlongAxis;
-    held[2] |= std::abs(frame.t2[d]) > 1 - kAlongAxis;
+    if (!held[d]) continue;
+    rows[1] |= std::abs(pair.frame.t1[d]) > 1 - kAlongAxis;
+    rows[2] |= std::abs(pair.frame.t2[d]) > 1 - kAlongAxis;
   }
-  return held;
+  return rows;
 }
 
 // D (x_s + C^T m) = M x_p:  D C^T is the identity but for nodes that stand for neighbours, which corrections see to.
@@ -118,31 +120,12 @@ std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<
 
 std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly) {
   const auto whole = wholeSurface(surface);
-  return dualMortarRows(surface, surface, whole, chooseMultipliers(surface, whole, std::vector<char>(surface.numNodes(), 0), linearOnly));
-}
-
-void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, std::vector<std::string>& notes) {
-  draft.isBarred.resize(draft.secondary.numNodes(), 0);
-  if (around.isPrescribed.empty()) return;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < draft.secondary.numNodes(); ++i) {
-    const auto& held = around.isPrescribed[std::size_t(draft.secondary.nodes[i])];
-    Vec3::Array left = draft.secondary.normals[i];
-    for (std::size_t d = 0; d < 3; ++d)
-      if (held[d]) left[d] = 0;
-    const bool isHeld = draft.spec->tied ? held[0] && held[1] && held[2] : Vec3::norm(left) < kHeldNormal;
-    if (!isHeld || draft.isBarred[i]) continue;
-    draft.isBarred[i] = 1;
-    count += draft.overlap.isCovered[i];
-  }
-  if (count > 0)
-    notes.push_back("'" + draft.spec->name + "': " + std::to_string(count) + " nodes of '" + draft.secondary.name +
-                    "' are held by prescribed displacements and have no multiplier; their neighbours stand for them");
+  return dualMortarRows(surface, surface, whole, chooseMultipliers(surface, whole, std::vector<Bar>(surface.numNodes(), Bar::None), linearOnly));
 }
 
 void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface) {
   const ContactSurface& s = draft.secondary;
-  const auto multipliers = chooseMultipliers(s, draft.overlap, draft.isBarred, draft.spec->multiplierSpace == MultiplierSpace::Linear);
+  const auto multipliers = chooseMultipliers(s, draft.overlap, draft.bars, draft.spec->multiplierSpace == MultiplierSpace::Linear);
   const auto rows = dualMortarRows(s, draft.primary, draft.overlap, multipliers);
   PointwiseGap gaps(s, draft.primary);
   for (const MortarRow& row : rows) {
@@ -151,8 +134,7 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
     ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(draft.primary, row.primary),
                      makeFrame(s.normals[i], draft.spec->principalDirection), 0.0, row.w};
     pair.gap = pointwise.value_or(Vec3::dot(row.gap, pair.frame.normal));
-    if (!around.isPrescribed.empty())
-      pair.isPinned = heldRows(around.isPrescribed[std::size_t(pair.secondaryNode)], pair.frame, draft.spec->tied);
+    if (!around.isPrescribed.empty()) pair.isPinned = heldRows(around, pair, draft.spec->tied);
     interface.pairs.push_back(std::move(pair));
   }
   for (std::size_t i = 0; i < s.numNodes(); ++i) interface.unpairedNodes += !draft.overlap.isCovered[i] && !multipliers.isKept[i];

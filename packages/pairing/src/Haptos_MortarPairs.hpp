@@ -14,7 +14,7 @@ struct MortarDraft {
   const ContactSpec* spec;
   ContactSurface secondary, primary;
   SurfaceOverlap overlap;
-  std::vector<char> isBarred;  ///< [secondary nodes] from carrying a multiplier, whatever covers them
+  std::vector<Bar> bars;       ///< [secondary nodes]
   std::string exchange;        ///< what the secondary side is, where it is not the user's; else empty
 };
 
@@ -25,14 +25,10 @@ std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<
 /// \brief Rows opposite a rigid obstacle.
 std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly);
 
-/// \brief Bars nodes whose normal displacement is prescribed (all of it, of a tied interface): what they cannot follow, their
-/// neighbours take.  Notes how many.
-void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, std::vector<std::string>& notes);
-
 /// \brief Adds pairs, notes and moves of nodes to the interface.
 ///
 /// The gap is that of the node itself along its normal; the mean of the row where it stands for neighbours too, or where the normal
-/// meets nothing.  Components that are prescribed at the node and axes of its rows are pinned.  The secondary nodes of a tied interface
+/// meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
 /// are to be moved onto the primary surface, so that turning both bodies together costs no stress; not by more than a quarter of
 /// the element size, which is noted.
 void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface);

@@ -21,7 +21,7 @@ struct Mortar {
 
   explicit Mortar(const Mesh& mesh, const std::string& upper = "upper_contact", const std::string& lower = "lower_contact")
       : secondary(makeContactSurface(mesh, upper)), primary(makeContactSurface(mesh, lower)), overlap(integrateOverlap(secondary, primary)) {
-    rows = dualMortarRows(secondary, primary, overlap, chooseMultipliers(secondary, overlap, std::vector<char>(secondary.numNodes(), 0)));
+    rows = dualMortarRows(secondary, primary, overlap, chooseMultipliers(secondary, overlap, std::vector<Bar>(secondary.numNodes(), Bar::None)));
   }
 };
 

@@ -59,6 +59,7 @@ ContactSpec contactSpec(const ContactOptions& options) {
   spec.sides = options.sides;
   spec.multiplierSpace = options.multiplierSpace;
   spec.tied = !options.friction.law;
+  spec.isFrictionless = options.friction.law == FrictionLaw::Frictionless;
   spec.principalDirection = options.friction.principalDirection;
   return spec;
 }

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_MultiplierRules.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <map>
+
+#include "Haptos_Vec3.hpp"
+
+namespace Haptos {
+namespace {
+
+constexpr double kHeldNormal = 0.05;  // what prescribed components leave of a unit normal
+constexpr double kSameNormal = 0.9;   // cosine: normals that are nearer say the same twice
+
+using Drafts = std::vector<std::optional<MortarDraft>>;
+
+// Bars the nodes that `isHit` names and says so of those that would have carried a multiplier.
+void bar(MortarDraft& draft, Bar how, const std::function<bool(std::size_t)>& isHit, const std::string& why,
+         std::vector<std::string>& told, const std::string& name) {
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < draft.secondary.numNodes(); ++i) {
+    if (draft.bars[i] >= how || !isHit(i)) continue;
+    count += draft.overlap.isCovered[i] && draft.bars[i] == Bar::None;
+    draft.bars[i] = how;
+  }
+  if (count > 0)
+    told.push_back("'" + name + "': " + std::to_string(count) + " nodes of '" + draft.secondary.name + "' " + why +
+                   " and have no multiplier there; their neighbours stand for them");
+}
+
+bool contains(const ContactSurface& surface, std::int64_t node) {
+  return std::binary_search(surface.nodes.begin(), surface.nodes.end(), node);
+}
+
+void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
+  if (around.isPrescribed.empty()) return;
+  const auto isHeld = [&](std::size_t i) {
+    const auto& held = around.isPrescribed[std::size_t(draft.secondary.nodes[i])];
+    return draft.spec->tied ? held[0] && held[1] && held[2] : isNormalHeld(around, draft.secondary, i);
+  };
+  bar(draft, Bar::Held, isHeld, "are held by prescribed displacements", interface.remarks, interface.name);
+}
+
+// A claim of an interface on a node.
+struct Claim {
+  std::size_t interface;
+  bool isMortar, isTied, isFrictionless;
+  double area;
+  Vec3::Array normal;
+
+  bool goesBefore(const Claim& other) const {
+    if (isTied != other.isTied) return isTied;
+    if (isMortar != other.isMortar) return other.isMortar;
+    return std::abs(area - other.area) > 1e-9 * area ? area > other.area : interface < other.interface;
+  }
+};
+
+std::map<std::int64_t, std::vector<Claim>> collectClaims(const Drafts& drafts, const std::vector<ContactInterface>& interfaces) {
+  std::map<std::int64_t, std::vector<Claim>> claims;
+  for (std::size_t k = 0; k < interfaces.size(); ++k) {
+    for (const auto& pair : interfaces[k].pairs)
+      claims[pair.secondaryNode].push_back({k, false, interfaces[k].tied, false, pair.area, pair.frame.normal});
+    if (!drafts[k]) continue;
+    const MortarDraft& draft = *drafts[k];
+    std::vector<double> areas(draft.secondary.numNodes(), 0.0);
+    for (std::size_t f = 0; f < draft.secondary.faces.size(); ++f)
+      for (int i = 0; i < draft.secondary.faces[f].size; ++i)
+        areas[std::size_t(draft.secondary.faces[f].nodes[std::size_t(i)])] += draft.overlap.faces[f].area;
+    for (std::size_t i = 0; i < areas.size(); ++i)
+      if (draft.overlap.isCovered[i] && draft.bars[i] == Bar::None)
+        claims[draft.secondary.nodes[i]].push_back({k, true, draft.spec->tied, draft.spec->isFrictionless, areas[i], draft.secondary.normals[i]});
+  }
+  return claims;
+}
+
+void barNodesOfOthers(Drafts& drafts, std::vector<ContactInterface>& interfaces) {
+  std::vector<std::vector<std::int64_t>> lost(drafts.size());
+  for (auto& [node, claims] : collectClaims(drafts, interfaces)) {
+    if (claims.size() < 2) continue;
+    const Claim first = *std::min_element(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) { return a.goesBefore(b); });
+    for (const Claim& claim : claims) {
+      const bool isApart = first.isFrictionless && claim.isFrictionless && std::abs(Vec3::dot(first.normal, claim.normal)) < kSameNormal;
+      if (claim.isMortar && claim.interface != first.interface && !isApart) lost[claim.interface].push_back(node);
+    }
+  }
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    if (lost[k].empty()) continue;
+    const auto isLost = [&](std::size_t i) { return std::binary_search(lost[k].begin(), lost[k].end(), drafts[k]->secondary.nodes[i]); };
+    bar(*drafts[k], Bar::Taken, isLost, "are secondary in another contact too", interfaces[k].remarks, interfaces[k].name);
+  }
+}
+
+// [interfaces x interfaces] whether secondary nodes of the first are primary in the second, over any number of steps
+std::vector<std::vector<char>> reachable(const Drafts& drafts) {
+  const std::size_t n = drafts.size();
+  std::vector<std::vector<char>> reach(n, std::vector<char>(n, 0));
+  for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t b = 0; b < n; ++b)
+      if (drafts[a] && drafts[b])
+        reach[a][b] = std::any_of(drafts[a]->secondary.nodes.begin(), drafts[a]->secondary.nodes.end(),
+                                  [&](std::int64_t node) { return contains(drafts[b]->primary, node); });
+  for (std::size_t c = 0; c < n; ++c)
+    for (std::size_t a = 0; a < n; ++a)
+      for (std::size_t b = 0; b < n; ++b) reach[a][b] |= reach[a][c] && reach[c][b];
+  return reach;
+}
+
+void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces) {
+  const auto reach = reachable(drafts);
+  for (std::size_t b = 0; b < drafts.size(); ++b)
+    for (std::size_t a = 0; a < b; ++a) {
+      if (!reach[a][b] || !reach[b][a]) continue;
+      const auto isPrimary = [&](std::size_t i) { return contains(drafts[a]->primary, drafts[b]->secondary.nodes[i]); };
+      bar(*drafts[b], Bar::Taken, isPrimary, "are primary in '" + interfaces[a].name + "', whose secondary nodes are primary here,", interfaces[b].notes, interfaces[b].name);
+    }
+}
+
+}  // namespace
+
+bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surface, std::size_t node) {
+  const auto& held = around.isPrescribed[std::size_t(surface.nodes[node])];
+  Vec3::Array left = surface.normals[node];
+  for (std::size_t d = 0; d < 3; ++d)
+    if (held[d]) left[d] = 0;
+  return Vec3::norm(left) < kHeldNormal;
+}
+
+void barDependentNodes(const ContactSurroundings& around, Drafts& drafts, std::vector<ContactInterface>& interfaces) {
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    if (!drafts[k]) continue;
+    MortarDraft& draft = *drafts[k];
+    const auto isShared = [&](std::size_t i) { return contains(draft.primary, draft.secondary.nodes[i]); };
+    bar(draft, Bar::Taken, isShared, "are on both sides", interfaces[k].remarks, interfaces[k].name);
+    barHeldNodes(around, draft, interfaces[k]);
+  }
+  barNodesOfOthers(drafts, interfaces);
+  barNodesInCircles(drafts, interfaces);
+}
+
+}  // namespace Haptos

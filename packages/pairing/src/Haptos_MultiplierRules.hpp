@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "Haptos_MortarPairs.hpp"
+
+namespace Haptos {
+
+/// \brief Whether supports prescribe the motion of a node along its normal.
+/// \param around with prescribed displacements; \param node position in the surface
+bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surface, std::size_t node);
+
+/// \brief Bars nodes of mortar interfaces from carrying multipliers where rows would depend on each other, and notes how many: nodes of both
+/// sides (crack tips), nodes that another interface holds already (a tie before contact, then the larger covered area; node-to-node
+/// pairs stay as they are), secondary nodes that are primary elsewhere where this goes around in a circle, and nodes that supports hold.
+/// Serial.
+/// \param drafts, interfaces [interfaces] no draft: node to node or a rigid plane
+void barDependentNodes(const ContactSurroundings& around, std::vector<std::optional<MortarDraft>>& drafts,
+                       std::vector<ContactInterface>& interfaces);
+
+}  // namespace Haptos
