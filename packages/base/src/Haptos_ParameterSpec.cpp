@@ -118,6 +118,7 @@ std::string ParameterSpec::defaultText() const {
   return text;
 }
 
+// Words exclude numbers: a parameter of words has no range.
 std::string ParameterSpec::rangeText() const {
   if (!choices.empty()) return joinNames(choices, " | ");
   const auto isNumber = [](ParameterType t) {
@@ -158,6 +159,7 @@ void requireKnownNames(const ParameterList& list, const std::vector<std::string>
              "unknown parameter; did you mean '" + nearestName(list.name(it), names) + "'? Valid here: " + joinNames(names));
 }
 
+// Both names in one list would leave it open which counts.
 std::vector<std::string> resolveAliases(const std::vector<ParameterAlias>& aliases, ParameterList& list, const std::string& path) {
   std::vector<std::string> warnings;
   for (const auto& alias : aliases) {

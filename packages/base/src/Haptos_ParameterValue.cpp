@@ -108,6 +108,7 @@ std::optional<int> parseInt(const std::string& text) {
   return value;
 }
 
+// Not std::stod, which obeys the locale and stops in silence where the number ends.
 std::optional<double> parseDouble(const std::string& text) {
   const std::string t = withoutPlus(text);
   double value = 0;
@@ -196,6 +197,7 @@ std::optional<ParameterValue> valueOf(const Teuchos::ParameterEntry& entry) {
   return std::nullopt;
 }
 
+// Teuchos keeps arrays in a class of its own.
 void setValue(Teuchos::ParameterList& list, const std::string& name, const ParameterValue& value) {
   if (const auto* ints = std::get_if<std::vector<int>>(&value))
     list.set(name, Teuchos::Array<int>(*ints));

@@ -58,6 +58,7 @@ class LabelSpreading {
     Index root, lower;
   };
 
+  // Within the rank by union-find, which needs no messages; a component begins with its lowest element as label.
   void joinOwn(const DualGraph& graph, const std::vector<int>& colour) {
     DisjointSets sets(graph.offsets.size() - 1);
     for (std::size_t e = 0; e + 1 < graph.offsets.size(); ++e)

@@ -60,6 +60,7 @@ class Bisection {
       if (const int r = regionOf[i]; r >= 0 && regions[std::size_t(r)].blocks > 1) visit(std::size_t(r), points_[i]);
   }
 
+  // Largest x as least -x: one reduction for both.
   std::vector<Cut> longestAxes() const {
     std::vector<double> least(6 * regions.size(), std::numeric_limits<double>::infinity());  // of x and of -x
     forEachPoint([&](std::size_t r, const Point& x) {
@@ -116,6 +117,7 @@ class Bisection {
     return cuts;
   }
 
+  // Blocks are shared out to the sides by the points that the cut really leaves there, at least one to each.
   void apply(const std::vector<Cut>& cuts) {
     std::vector<Region> next;
     std::vector<int> number;  // [regions] of what is left of the cut

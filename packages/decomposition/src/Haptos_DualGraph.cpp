@@ -128,6 +128,7 @@ void matchSentFaces(const OwnElements& own, std::vector<SentFace> faces, std::ve
   }
 }
 
+// CSR in two passes: rows are counted, then filled; an edge within the rank fills both of its rows, one across only its own.
 DualGraph graphOf(const OwnElements& own, const std::vector<Edge>& edges) {
   const Index first = own.firstElement(), count = Index(own.part.elements.size());
   const auto forEachRow = [&](auto&& add) {
@@ -171,6 +172,7 @@ std::vector<Point> elementCentroids(const Mesh& mesh) {
   return centroids;
 }
 
+// Sides whose nodes are this rank's alone are matched here; the others meet where their lowest node lies, and edges come back.
 DualGraph buildDualGraph(const Communicator& comm, const OwnElements& own) {
   std::vector<SentFace> faces;
   auto edges = matchOwnFaces(own, faces);

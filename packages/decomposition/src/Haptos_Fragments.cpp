@@ -94,6 +94,7 @@ int compress(std::vector<int>& part) {
 
 }  // namespace
 
+// In rounds: a fragment that reaches no main one now may do so when its neighbours have moved.
 int mendFragments(Fragments& f) {
   if (f.part.empty()) return 0;
   for (int moved = 0;;) {
@@ -112,6 +113,7 @@ int mendFragments(Fragments& f) {
   }
 }
 
+// Fragments and their shared sides first; elements follow their fragment.
 int mendParts(const DualGraph& graph, std::vector<int>& part) {
   int count = 0;
   const auto fragment = connectedComponents(graph, part, count);

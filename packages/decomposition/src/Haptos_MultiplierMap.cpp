@@ -50,6 +50,7 @@ void forEachEntry(const RowShare::Copy& copy, Visit&& visit) {
 
 }  // namespace
 
+// Shares come with global rows; what is kept is local, in the order of rows.
 MultiplierMap::MultiplierMap(const RCP<const Communicator>& comm, const RowSources& sources) {
   const RowShare share = dealRows(*comm, sources);
   numEquality_ = share.numEquality;

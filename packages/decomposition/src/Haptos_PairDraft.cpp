@@ -5,6 +5,7 @@
 
 namespace Haptos {
 
+// Nodes on both sides cancel as far as their weights do: the jump of such a node is no jump.
 void findNodes(const NodeDirectory& directory, PairDraft& draft) {
   for (const auto* side : {&draft.placed.pair.secondary, &draft.placed.pair.primary})
     for (const auto& [node, weight] : *side) {

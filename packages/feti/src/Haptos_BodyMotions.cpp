@@ -64,6 +64,7 @@ struct BodyMotions::Sums {
   }
 };
 
+// R^T N for the six motions N of the body: their coordinates in the kernel, and what of them lies outside it, N^T N - (R^T N)^T (R^T N).
 BodyMotions::Sums BodyMotions::sumUp(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies) const {
   const int l = G.dimension();
   Sums sums{Eigen::MatrixXd::Zero(6, l), Eigen::MatrixXd::Zero(6, 12 * numBodies()), Eigen::VectorXi::Zero(l)};
@@ -113,6 +114,7 @@ BodyMotions::BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& system
   Z_.setFromTriplets(triplets.begin(), triplets.end());
 }
 
+// One body is named: the one that moves most, the first of equals.
 std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible) const {
   std::vector<Motion> motions(names_.size(), Motion::Zero());
   for (std::size_t j = 0; j < columns_.size(); ++j) motions[std::size_t(columns_[j].body)] += y[Eigen::Index(j)] * columns_[j].motion;
@@ -193,6 +195,7 @@ CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bo
   return holds;
 }
 
+// With Y a basis of the unheld motions, Y^T Z^T e is the work of the loads on them: it must vanish, or no equilibrium exists.
 void requireBalance(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e, double loadScale) {
   constexpr double kBalanced = 1e-9;
   const Eigen::VectorXd resultant = bodies.Z().transpose() * e;

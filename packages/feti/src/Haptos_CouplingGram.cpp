@@ -48,6 +48,7 @@ struct NodeColumn {
 };
 using NodeColumns = std::map<std::pair<std::int64_t, int>, NodeColumn>;
 
+// C by columns, an unknown of a node each; rows are numbered as the couplings come.
 template <class WeightOf>
 NodeColumns columnsOf(const std::vector<const Coupling*>& couplings, const WeightOf& weightOf) {
   NodeColumns columns;
@@ -301,6 +302,7 @@ CouplingGram::Transfer CouplingGram::makeTransfer(const Ends& ends) const {
   return {ends.mine, from, to, Teuchos::rcp(new Tpetra::Import<>(from, to)), Teuchos::rcp(new Tpetra::Import<>(to, from))};
 }
 
+// Values of this rank to the holders, in the order in which they keep them.
 Eigen::VectorXd CouplingGram::Transfer::gather(const Eigen::VectorXd& own) const {
   Vector source(from, false), target(to);
   {
@@ -312,6 +314,7 @@ Eigen::VectorXd CouplingGram::Transfer::gather(const Eigen::VectorXd& own) const
   return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
 }
 
+// And back: a value may have gone to one holder only, so nothing is added.
 void CouplingGram::Transfer::scatter(const Eigen::VectorXd& held, Eigen::VectorXd& own) const {
   Vector source(to, false), target(from);
   {

@@ -15,6 +15,7 @@ DualProblem::DualProblem(RCP<const DualOperator> dualOperator, RCP<const Natural
   PFP = Teuchos::rcp(new ProjectedDualOperator(F, G, GGT));
 }
 
+// The point of least norm with G l = e is G^T (G G^T)^-1 e; h is the jump that loads alone would leave, minus c.
 void DualProblem::setStep(StepData data) {
   step = std::move(data);
   const JumpOperator& B = F->jump();
@@ -29,6 +30,8 @@ void DualProblem::setStep(StepData data) {
   lambdaIm = image;
 }
 
+// u = K^+ (f - B^T l) + R a.  B u - c = s is to hold: G^T a = s + c - B K^+ (f - B^T l), in the sense of least squares
+// a = (G G^T)^-1 G (s + c - B K^+ (f - B^T l)).
 RCP<Vector> recoverPrimal(const DualProblem& dual, const Vector& lambda, const Vector& s) {
   const JumpOperator& B = dual.F->jump();
   Vector residual(B.getDomainMap());

@@ -25,6 +25,7 @@ struct LocalPrediction {
   double explicitSeconds, implicitSeconds, explicitBytes;
 };
 
+// Bytes that an application must read, and operations where many members are multiplied together; construction besides.
 LocalPrediction predictLocalCost(double n, double nb, std::size_t members) {
   constexpr double kApplications = 30, kTraffic = 2e10, kSparseTraffic = 1.6e10;   // [-], [bytes/s]
   constexpr double kDense = 3e10, kProducts = 4e10, kSparseProducts = 2.5e10;   // [flops/s]
@@ -91,6 +92,7 @@ void LocalSystems::assemble() {
   }
 }
 
+// Sizes first, entries then, and only against one member of each class: copies that the source knows of are not compared.
 void LocalSystems::findClasses() {
   representative_.clear();
   members_.clear();
@@ -163,6 +165,7 @@ void LocalSystems::makeFactor(int c, LocalSolverMethod method) {
   ++factorizations_;
 }
 
+// Rows moved: what is dense on a surface that rows leave or enter is made again, what is sparse does not know of rows.
 void LocalSystems::renewSurfaces(const JumpOperator& jump, LocalSolverMethod method, const std::function<void(int)>& lastUse) {
   for (int c = 0; c < numClasses(); ++c) {
     auto K = source_->assemble(representative_[c]);
@@ -187,6 +190,7 @@ double LocalSystems::denseBytesOf(int c) const {
 
 void LocalSystems::releaseStiffness(int c) { letGo(systems_[representative_[c]].K); }
 
+// Surfaces of the softened stiffnesses as those of the others, so that both act on the same unknowns.
 void LocalSystems::condenseLike(const LocalSystems& pattern) {
   findClasses();
   condensed_.clear();
@@ -197,6 +201,7 @@ void LocalSystems::condenseLike(const LocalSystems& pattern) {
   }
 }
 
+// What the source calls surface, and all three unknowns of every node that rows touch in any member of the class.
 std::vector<int> LocalSystems::boundaryOf(int c, const JumpOperator& jump) const {
   std::vector<int> dofs = source_->surface(representative_[c]);
   std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
@@ -241,6 +246,7 @@ const char* LocalSystems::methodName() const {
   return "dense";
 }
 
+// u = K^+ f on all unknowns, in blocks of members: a factor is read once for a block.
 void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
   const auto& members = members_[c];
   const Eigen::Index n = systems_[members.front()].R().rows();
@@ -255,6 +261,7 @@ void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, co
   }
 }
 
+// u_b = (K^+)_bb f_b: B f has nothing inside, and B^T u asks for nothing there.
 void LocalSystems::multiplyClass(int c, const std::vector<std::size_t>& offsets, const double* f, double* u) const {
   const auto& members = members_[c];
   const auto& dofs = condensed_[c]->boundary();

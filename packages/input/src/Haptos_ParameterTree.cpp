@@ -42,6 +42,7 @@ std::vector<std::string> ParameterTree::validNames() const {
   return names;
 }
 
+// Blanks around names do not count, as in "Solver -> Method".
 std::vector<std::string> splitPath(const std::string& path) {
   std::vector<std::string> names;
   std::size_t start = 0;

@@ -73,6 +73,7 @@ void checkPresence(const ParameterSpec& spec, const ParameterTree& tree, const P
                      wordOf(tree, list, spec.requiredWhen->parameter) + "; " + right);
 }
 
+// Of each group one, whichever; a list beside a parameter may be a choice, too.
 void checkAlternatives(const ParameterTree& tree, const ParameterList& list, const std::string& listPath) {
   for (const auto& group : tree.alternatives) {
     std::vector<std::string> given;
@@ -110,6 +111,7 @@ void checkSublists(const ParameterTree& tree, ParameterList& list, const std::st
                " sublist (ParameterList) with a name of your choice: " + tree.userNamed.front().meaning);
 }
 
+// Names, then values one by one, then what they must be to each other: the first mistake is told in that order.
 void checkList(const ParameterTree& tree, ParameterList& list, const std::string& listPath) {
   checkUnknownNames(tree, list, listPath);
   for (const auto& spec : tree.parameters) {

@@ -61,6 +61,7 @@ void describeTied(const ContactPair& geometry, const std::array<double, 3>& forc
 
 }  // namespace
 
+// The rows of a tied pair act along x, y, z: the force on its secondary side is minus its multipliers.
 std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, const Vector& lambda) {
   const auto l = lambda.getData(0);
   std::vector<PairResult> mine;
@@ -107,6 +108,7 @@ std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, c
   return allOnRoot(*multipliers.map()->getComm(), mine);
 }
 
+// Sums of vectors, as curved surfaces have: the normal force alone is a sum of sizes.
 std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, std::size_t numInterfaces) {
   std::vector<InterfaceResult> result(numInterfaces);
   for (const auto& pair : pairs) {

@@ -81,6 +81,7 @@ double measureTied(const MultiplierMap& multipliers, const Vector& s) {
 
 }  // namespace
 
+// Of nodes, not of copies: how a load is shared among copies must not matter.
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm) {
   const auto nodal = gather.sum(f);
   double squares = 0, largest = 0;
@@ -92,6 +93,7 @@ LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const C
   return {std::sqrt(sumOfAll(comm, squares)), largestOfAll(comm, largest)};
 }
 
+// The reaction at a node is B^T lambda of its Dirichlet rows, over all its copies.
 LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& lambda) {
   const auto data = lambda.getData(0);
   LocalReactions result;
@@ -111,6 +113,7 @@ LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lamb
   return {std::sqrt(sumOfAll(comm, mine.squares)), largestOfAll(comm, mine.largest)};
 }
 
+// || |K| |u| || row by row, from the sums over each row's components that were kept when K was there.
 double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u) {
   const auto x = u.getData(0);
   double mine = 0;
@@ -127,6 +130,7 @@ double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>
   return std::numeric_limits<double>::epsilon() * std::sqrt(sumOfAll(*u.getMap()->getComm(), mine));
 }
 
+// From u and lambda alone: nothing that a method believes of its own convergence goes in.
 Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
   const Continuity continuity = measureContinuity(model, u);
   const LoadScales reactions = measureReactions(model.jump.multipliers(), lambda);

@@ -44,6 +44,7 @@ Options readSublist(const ParameterList& list, const std::string& name, const st
   return readOptions<Options>(own, name);
 }
 
+// The sublists of the program's input that a solve obeys, checked by the same tables.
 SystemOptions readSystemOptions(const ParameterList& list) {
   requireKnownNames(list, {"Solver", "Local Solver", "Preconditioner", "Coarse Problem", "Decomposition"}, "");
   SystemOptions options;
@@ -150,6 +151,7 @@ int ContactSystem::addInterface(std::string name, const FrictionSpec& friction) 
   return int(impl_->input->interfaces.size()) - 1;
 }
 
+// Views may be gone after the call, so all but the matrix is copied here, and what can be seen here is looked at.
 void ContactSystem::addSubdomain(const SubdomainInput& subdomain) {
   SystemInput::Subdomain sub{subdomain.body, {}, {}};
   sub.ids.assign(subdomain.nodes.begin(), subdomain.nodes.end());
@@ -252,6 +254,7 @@ void ContactSystem::setGap(int pair, double gap) {
   impl_->changes.values = true;
 }
 
+// Rows where tangential or tied ones come or go; laws in any case.
 void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
   if (interface < 0 || interface >= int(impl_->input->interfaces.size()))
     return impl_->refuse("Friction is given for interface " + std::to_string(interface) + "; there are " +

@@ -44,6 +44,7 @@ std::string hardFriction(const SystemModel& data) {
   return text;
 }
 
+// What helps, in the order in which it should be tried; nothing helps against round-off but a larger tolerance.
 std::string advice(const UnconvergedRun& run) {
   const SolverOptions& solver = run.options.solver;
   if (isRoundOff(run.accuracy))

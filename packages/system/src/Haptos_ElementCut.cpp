@@ -117,6 +117,7 @@ struct SentElement {
 
 }  // namespace
 
+// The cut is made from node ids and places only: matrices go straight from who brought them to who needs them.
 std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const DecompositionOptions& options) {
   const auto places = gatherPlaces(comm, elements);
   std::vector<Cut> cuts(std::size_t(comm.getSize()));

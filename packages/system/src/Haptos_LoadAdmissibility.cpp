@@ -123,6 +123,8 @@ class RigidBalance {
 
 }  // namespace
 
+// Exists lambda in the cones with H^T lambda = b?  The regularised dual function is minimised; what imbalance is left where it is
+// least tells, and its a the motion that nothing stops.
 void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipliers, const NaturalCoarseSpace& G,
                             const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
   constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9

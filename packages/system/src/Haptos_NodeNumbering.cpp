@@ -9,6 +9,7 @@
 
 namespace Haptos {
 
+// An id lives with the rank in whose range of values it lies; numbers follow from how many ids lie below, so they ascend with ids.
 NodeNumbering::NodeNumbering(RCP<const Communicator> comm, const std::vector<std::int64_t>& ids) : comm_(std::move(comm)) {
   const std::int64_t largest = ids.empty() ? 0 : *std::max_element(ids.begin(), ids.end());
   ranges_ = {largestOfAll(*comm_, largest) + 1, comm_->getSize()};
@@ -19,6 +20,7 @@ NodeNumbering::NodeNumbering(RCP<const Communicator> comm, const std::vector<std
   size_ = sumOfAll(*comm_, std::int64_t(own_.size()));
 }
 
+// Ids beyond the largest that anybody brought have no owner, and need none.
 std::vector<std::int64_t> NodeNumbering::find(const std::vector<std::int64_t>& ids) const {
   const auto isPossible = [&](std::int64_t id) { return id >= 0 && id < ranges_.size; };
   std::vector<std::int64_t> possible, numbers;
