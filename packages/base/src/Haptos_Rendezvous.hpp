@@ -116,6 +116,18 @@ T broadcasted(const Communicator& comm, const T& value, int root = 0) {
   return ByteReader(gatherOnAll(comm, writer.take())[std::size_t(root)]).template read<T>();
 }
 
+/// \brief The root's values[r] on rank r.  Collective.
+template <class T>
+T scattered(const Communicator& comm, const std::vector<T>& values, int root = 0) {
+  std::vector<Bytes> messages;
+  for (const T& value : values) {
+    ByteWriter writer;
+    writer.write(value);
+    messages.push_back(writer.take());
+  }
+  return ByteReader(scatterFromRoot(comm, messages, root)).template read<T>();
+}
+
 /// \brief Places of an index that others hold ranges of, whose values are asked for, or added to, as often as one likes.
 class RemoteValues {
  public:

@@ -9,50 +9,22 @@ namespace Haptos {
 // The int argument makes the first overload, with the new name, the better match.
 namespace Compat {
 
-template <class M>
-auto numElements(const M& map, int) -> decltype(map.getLocalNumElements()) {
-  return map.getLocalNumElements();
-}
-template <class M>
-auto numElements(const M& map, long) -> decltype(map.getNodeNumElements()) {
-  return map.getNodeNumElements();
-}
+#define HAPTOS_EITHER_NAME(function, newName, oldName)    \
+  template <class T>                                      \
+  auto function(const T& t, int)->decltype(t.newName()) { \
+    return t.newName();                                   \
+  }                                                       \
+  template <class T>                                      \
+  auto function(const T& t, long)->decltype(t.oldName()) { \
+    return t.oldName();                                   \
+  }
 
-template <class M>
-auto elementList(const M& map, int) -> decltype(map.getLocalElementList()) {
-  return map.getLocalElementList();
-}
-template <class M>
-auto elementList(const M& map, long) -> decltype(map.getNodeElementList()) {
-  return map.getNodeElementList();
-}
-
-template <class A>
-auto numRows(const A& matrix, int) -> decltype(matrix.getLocalNumRows()) {
-  return matrix.getLocalNumRows();
-}
-template <class A>
-auto numRows(const A& matrix, long) -> decltype(matrix.getNodeNumRows()) {
-  return matrix.getNodeNumRows();
-}
-
-template <class A>
-auto numEntries(const A& matrix, int) -> decltype(matrix.getLocalNumEntries()) {
-  return matrix.getLocalNumEntries();
-}
-template <class A>
-auto numEntries(const A& matrix, long) -> decltype(matrix.getNodeNumEntries()) {
-  return matrix.getNodeNumEntries();
-}
-
-template <class A>
-auto maxNumRowEntries(const A& matrix, int) -> decltype(matrix.getLocalMaxNumRowEntries()) {
-  return matrix.getLocalMaxNumRowEntries();
-}
-template <class A>
-auto maxNumRowEntries(const A& matrix, long) -> decltype(matrix.getNodeMaxNumRowEntries()) {
-  return matrix.getNodeMaxNumRowEntries();
-}
+HAPTOS_EITHER_NAME(numElements, getLocalNumElements, getNodeNumElements)
+HAPTOS_EITHER_NAME(elementList, getLocalElementList, getNodeElementList)
+HAPTOS_EITHER_NAME(numRows, getLocalNumRows, getNodeNumRows)
+HAPTOS_EITHER_NAME(numEntries, getLocalNumEntries, getNodeNumEntries)
+HAPTOS_EITHER_NAME(maxNumRowEntries, getLocalMaxNumRowEntries, getNodeMaxNumRowEntries)
+#undef HAPTOS_EITHER_NAME
 
 }  // namespace Compat
 

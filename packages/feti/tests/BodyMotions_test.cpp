@@ -3,6 +3,7 @@
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <set>
 
 #include "FetiScene.hpp"
 #include "Haptos_DualProblem.hpp"
@@ -57,6 +58,20 @@ SceneOptions onlyLowerHeld(bool contact, bool frictional) {
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 }  // namespace
+
+// It is to load one factor block, not all subdomains of the body.
+TEUCHOS_UNIT_TEST(BodyMotions, AHoldActsOnItsMotionInOneSubdomain) {
+  const Unheld t(onlyLowerHeld(false, false));
+  TEST_ASSERT(t.bodies.Z().cols() == 12 && t.feti.G->dimension() > 12);
+  for (int m = 0; m < int(t.bodies.Z().cols()); ++m) {
+    const Eigen::SparseVector<double> w = t.bodies.hold(m);
+    TEST_FLOATING_EQUALITY(w.norm(), 1.0, 1e-12);
+    TEST_ASSERT(w.dot(Eigen::SparseVector<double>(t.bodies.Z().col(m))) > 0);
+    std::set<Eigen::Index> subdomains;
+    for (Eigen::SparseVector<double>::InnerIterator it(w); it; ++it) subdomains.insert(it.index() / 6);
+    TEST_EQUALITY(subdomains.size(), 1u);
+  }
+}
 
 TEUCHOS_UNIT_TEST(BodyMotions, GluingRowsFeelNoMotionOfABody) {
   const Unheld u(onlyLowerHeld(true, true));

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "Haptos_ElementShape.hpp"
@@ -15,6 +16,8 @@ struct ElementBlock {
   std::string name;  ///< may be empty
   Topology topology = Topology::Hex8;
   std::vector<std::int64_t> connectivity;
+
+  auto parts() { return std::tie(id, name, topology, connectivity); }  ///< see ByteWriter, here and below
   std::size_t numElements() const { return connectivity.size() / std::size_t(nodesPerElement(topology)); }
 };
 
@@ -29,12 +32,16 @@ struct SideSet {
   std::int64_t id = 0;
   std::string name;
   std::vector<ElementSide> sides;
+
+  auto parts() { return std::tie(id, name, sides); }
 };
 
 struct NodeSet {
   std::int64_t id = 0;
   std::string name;
   std::vector<std::int64_t> nodes;  ///< 0-based node indices of the mesh
+
+  auto parts() { return std::tie(id, name, nodes); }
 };
 
 /// \brief A whole mesh as one rank holds it: nodes, element blocks, side sets, node sets.
@@ -51,6 +58,7 @@ struct Mesh {
   std::vector<std::int64_t> elementNumbers;  ///< [numElements], the file's element number map
   bool wideIntegers = false;                 ///< the file held 64-bit ids
 
+  auto parts() { return std::tie(title, coordinates, blocks, sideSets, nodeSets, nodeNumbers, elementNumbers, wideIntegers); }
   std::size_t numNodes() const { return coordinates.size(); }
   std::size_t numElements() const;
 };

@@ -5,9 +5,8 @@
 #include <filesystem>
 #include <map>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_ExodusPart.hpp"
 #include "Haptos_ExodusReader.hpp"
 #include "Haptos_PartJoiner.hpp"
@@ -79,18 +78,9 @@ std::vector<std::string> listMeshFiles(const std::string& path) {
 
 // Rank 0 looks at the folder, which all ranks doing at once is hard on a file system, and tells the others what there is.
 MeshShare readMeshFiles(const Communicator& comm, const std::string& path) {
-  std::vector<Bytes> messages(std::size_t(comm.getSize()));
-  runOnRoot(comm, [&] {
-    ByteWriter writer;
-    const auto files = listMeshFiles(path);
-    writer.write(files.size());
-    for (const auto& file : files) writer.write(file);
-    messages.assign(messages.size(), writer.take());
-  });
-  const Bytes message = scatterFromRoot(comm, messages);
-  ByteReader reader(message);
-  std::vector<std::string> files(reader.read<std::size_t>());
-  for (auto& file : files) file = reader.readString();
+  std::vector<std::string> files;
+  runOnRoot(comm, [&] { files = listMeshFiles(path); });
+  files = broadcasted(comm, files);
   if (files.size() == 1 && files[0] == path) return readExodusShare(comm, path);
 
   const EvenRanges ranges{std::int64_t(files.size()), comm.getSize()};

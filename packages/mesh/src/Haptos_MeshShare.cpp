@@ -4,8 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_Comm.hpp>
 
-#include "Haptos_ByteBuffer.hpp"
-#include "Haptos_Exchange.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -63,74 +62,6 @@ void sliceNodeSets(const Mesh& whole, MeshShare& share) {
   }
 }
 
-Bytes pack(const MeshShare& share) {
-  ByteWriter out;
-  const Mesh& part = share.part;
-  out.write(part.title);
-  out.write(part.wideIntegers);
-  out.write(share.rank);
-  out.write(share.nodes);
-  out.write(share.elements);
-  out.write(share.blockStarts);
-  out.write(part.coordinates);
-  out.write(part.nodeNumbers);
-  out.write(part.elementNumbers);
-  for (const auto& block : part.blocks) {
-    out.write(block.id);
-    out.write(block.name);
-    out.write(block.topology);
-    out.write(block.connectivity);
-  }
-  const auto packSets = [&](const auto& sets, const auto& members, const auto& positions, const std::vector<Index>& sizes) {
-    out.write(sizes);
-    for (std::size_t s = 0; s < sets.size(); ++s) {
-      out.write(sets[s].id);
-      out.write(sets[s].name);
-      out.write(members(sets[s]));
-      out.write(positions[s]);
-    }
-  };
-  packSets(part.sideSets, [](const SideSet& set) -> auto& { return set.sides; }, share.sidePositions, share.sideSetSizes);
-  packSets(part.nodeSets, [](const NodeSet& set) -> auto& { return set.nodes; }, share.nodePositions, share.nodeSetSizes);
-  return out.take();
-}
-
-template <class Set, class Member>
-void unpackSets(ByteReader& in, std::vector<Set>& sets, std::vector<std::vector<Index>>& positions, std::vector<Index>& sizes) {
-  sizes = in.readVector<Index>();
-  for (std::size_t s = 0; s < sizes.size(); ++s) {
-    const auto id = in.read<Index>();
-    auto name = in.readString();
-    sets.push_back({id, std::move(name), in.readVector<Member>()});
-    positions.push_back(in.readVector<Index>());
-  }
-}
-
-MeshShare unpackShare(const Bytes& bytes) {
-  ByteReader in(bytes);
-  MeshShare share;
-  Mesh& part = share.part;
-  part.title = in.readString();
-  part.wideIntegers = in.read<bool>();
-  share.rank = in.read<int>();
-  share.nodes = in.read<EvenRanges>();
-  share.elements = in.read<EvenRanges>();
-  share.blockStarts = in.readVector<Index>();
-  part.coordinates = in.readVector<std::array<double, 3>>();
-  part.nodeNumbers = in.readVector<Index>();
-  part.elementNumbers = in.readVector<Index>();
-  part.blocks.resize(share.blockStarts.size() - 1);
-  for (auto& block : part.blocks) {
-    block.id = in.read<Index>();
-    block.name = in.readString();
-    block.topology = in.read<Topology>();
-    block.connectivity = in.readVector<Index>();
-  }
-  unpackSets<SideSet, ElementSide>(in, part.sideSets, share.sidePositions, share.sideSetSizes);
-  unpackSets<NodeSet, Index>(in, part.nodeSets, share.nodePositions, share.nodeSetSizes);
-  return share;
-}
-
 }  // namespace
 
 // Ranges of equal length in mesh order, of nodes and of elements: neither knows the other, nor any cut.
@@ -153,10 +84,10 @@ MeshShare sliceOfMesh(const Mesh& whole, int rank, int ranks) {
 
 // A mesh in memory is on rank 0 as a whole; what it sends is no larger than the mesh.
 MeshShare scatterMesh(const Communicator& comm, const Mesh& whole) {
-  std::vector<Bytes> messages;
+  std::vector<MeshShare> shares;
   if (comm.getRank() == 0)
-    for (int r = 0; r < comm.getSize(); ++r) messages.push_back(pack(sliceOfMesh(whole, r, comm.getSize())));
-  return unpackShare(scatterFromRoot(comm, messages));
+    for (int r = 0; r < comm.getSize(); ++r) shares.push_back(sliceOfMesh(whole, r, comm.getSize()));
+  return scattered(comm, shares);
 }
 
 }  // namespace Haptos

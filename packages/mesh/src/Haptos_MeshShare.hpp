@@ -30,6 +30,8 @@ struct MeshShare {
   std::vector<std::int64_t> sideSetSizes, nodeSetSizes;                 ///< [sets] of the whole mesh
   std::vector<std::vector<std::int64_t>> sidePositions, nodePositions;  ///< [sets][members here] place in the whole set
 
+  auto parts() { return std::tie(part, rank, nodes, elements, blockStarts, sideSetSizes, nodeSetSizes, sidePositions, nodePositions); }
+
   std::int64_t firstNode() const { return nodes.begin(rank); }
   std::int64_t endNode() const { return nodes.begin(rank + 1); }
   std::int64_t firstElement() const { return elements.begin(rank); }

@@ -1,13 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_PartJoiner.hpp"
 
-#include <Teuchos_CommHelpers.hpp>
 #include <algorithm>
 #include <numeric>
 #include <tuple>
+#include <utility>
 
-#include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_SetMembers.hpp"
 
@@ -31,15 +31,6 @@ struct SentElement {
   Index index, number;
   std::array<Index, 8> nodes;
 };
-
-/// Sums over the ranks below this one, and over all.
-std::pair<std::vector<Index>, std::vector<Index>> sumsBelow(const Communicator& comm, const std::vector<Index>& mine) {
-  std::vector<Index> below(mine), all(mine);
-  Teuchos::scan(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), below.data());
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
-  for (std::size_t i = 0; i < mine.size(); ++i) below[i] -= mine[i];
-  return {below, all};
-}
 
 /// \brief Joins parts step by step; what is wrong is told on all ranks.
 class Joiner {
@@ -74,10 +65,7 @@ class Joiner {
 
   /// Title, blocks and sets are those of the first part; the others must have the same blocks and sets.
   void agreeOnHeaders() {
-    std::vector<Bytes> messages(std::size_t(comm_.getSize()));
-    if (comm_.getRank() == 0) messages.assign(messages.size(), packHeader(parts_.front().mesh));
-    const Bytes header = scatterFromRoot(comm_, messages);
-    unpackHeader(header);
+    share_.part = broadcasted(comm_, comm_.getRank() == 0 ? headerOf(parts_.front().mesh) : Mesh{});
     runOnAllRanks(comm_, [&] {
       for (const auto& part : parts_) {
         requireSame("element blocks", listBlocks(part.mesh), listBlocks(share_.part));
@@ -85,52 +73,28 @@ class Joiner {
         requireSame("side sets", listSideSets(part.mesh), listSideSets(share_.part));
       }
     });
-    int wide = 0, anyWide = 0;
-    for (const auto& part : parts_) wide = std::max(wide, int(part.mesh.wideIntegers));
-    Teuchos::reduceAll(comm_, Teuchos::REDUCE_MAX, wide, Teuchos::outArg(anyWide));
-    share_.part.wideIntegers = anyWide != 0;
+    share_.part.wideIntegers =
+        anyOfAll(comm_, std::any_of(parts_.begin(), parts_.end(), [](const ExodusPart& part) { return part.mesh.wideIntegers; }));
   }
 
   /// Title, and id and name of every block and set.
-  static Bytes packHeader(const Mesh& mesh) {
-    ByteWriter writer;
-    writer.write(mesh.title);
-    const auto put = [&](const auto& all) {
-      writer.write(all.size());
-      for (const auto& e : all) {
-        writer.write(e.id);
-        writer.write(e.name);
-      }
-    };
-    put(mesh.blocks);
-    put(mesh.nodeSets);
-    put(mesh.sideSets);
-    return writer.take();
-  }
-
-  void unpackHeader(const Bytes& bytes) {
-    ByteReader reader(bytes);
-    share_.part.title = reader.readString();
-    const auto get = [&](auto& all) {
-      all.resize(reader.read<std::size_t>());
-      for (auto& e : all) {
-        e.id = reader.read<Index>();
-        e.name = reader.readString();
-      }
-    };
-    get(share_.part.blocks);
-    get(share_.part.nodeSets);
-    get(share_.part.sideSets);
+  static Mesh headerOf(const Mesh& mesh) {
+    Mesh header;
+    header.title = mesh.title;
+    for (const auto& block : mesh.blocks) header.blocks.push_back({block.id, block.name, Topology{}, {}});
+    for (const auto& set : mesh.nodeSets) header.nodeSets.push_back({set.id, set.name, {}});
+    for (const auto& set : mesh.sideSets) header.sideSets.push_back({set.id, set.name, {}});
+    return header;
   }
 
   /// A block without elements in one part has its topology from another.
   void agreeOnTopologies() {
     auto& blocks = share_.part.blocks;
-    std::vector<int> mine(blocks.size(), -1), all(mine);
+    std::vector<int> mine(blocks.size(), -1);
     for (const auto& part : parts_)
       for (std::size_t b = 0; b < blocks.size(); ++b)
         if (part.mesh.blocks[b].numElements() > 0) mine[b] = std::max(mine[b], int(part.mesh.blocks[b].topology));
-    Teuchos::reduceAll(comm_, Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), all.data());
+    const auto all = largestOfAll(comm_, mine);
     for (std::size_t b = 0; b < blocks.size(); ++b) blocks[b].topology = Topology(std::max(all[b], 0));
     runOnAllRanks(comm_, [&] {
       for (const auto& part : parts_)
@@ -147,15 +111,14 @@ class Joiner {
   /// \param what "node" or "element"; elements must not come twice
   /// \param starts [groups + 1] of the groups in the order, on return
   std::vector<Index> positionsOf(const std::vector<Key>& keys, const std::string& what, std::vector<Index>& starts) const {
-    Index largest = 1, mine = 1;
+    Index mine = 1;
     runOnAllRanks(comm_, [&] {
       for (const Key& key : keys) {
         if (key.number < 1) refuse("its files hold a " + what + " with the number " + std::to_string(key.number) + "; they go from 1.");
         mine = std::max(mine, key.number);
       }
     });
-    Teuchos::reduceAll(comm_, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(largest));
-    const EvenRanges ranges{largest, comm_.getSize()};
+    const EvenRanges ranges{largestOfAll(comm_, mine), comm_.getSize()};
     const auto rankOf = [&](const Key& key) { return ranges.owner(key.number - 1); };
     std::vector<std::size_t> countFrom;
     const auto met = sendItems(comm_, keys, rankOf, &countFrom);
@@ -187,7 +150,7 @@ class Joiner {
           refuse("element " + std::to_string(met[order[i]].number) + " is in two of its files.");
       }
     });
-    const auto [below, all] = sumsBelow(comm_, counts);
+    const auto [below, all] = std::pair(sumOfLower(comm_, counts), sumOfAll(comm_, counts));
     starts[0] = 0;
     std::partial_sum(all.begin(), all.end(), starts.begin() + 1);
     std::vector<Index> positions(met.size());
@@ -324,7 +287,7 @@ class Joiner {
     mine.erase(std::unique(mine.begin(), mine.end(), [&](const SetMember& a, const SetMember& b) { return key(a) == key(b); }), mine.end());
     std::vector<Index> counts(numSets, 0);
     for (const auto& m : mine) ++counts[std::size_t(m.set)];
-    auto [next, all] = sumsBelow(comm_, counts);
+    auto [next, all] = std::pair(sumOfLower(comm_, counts), sumOfAll(comm_, counts));
     for (auto& m : mine) m.position = next[std::size_t(m.set)]++;
     sizes = all;
     return mine;

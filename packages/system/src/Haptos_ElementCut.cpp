@@ -120,9 +120,9 @@ struct SentElement {
 // The cut is made from node ids and places only: matrices go straight from who brought them to who needs them.
 std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const DecompositionOptions& options) {
   const auto places = gatherPlaces(comm, elements);
-  std::vector<Cut> cuts(std::size_t(comm.getSize()));
+  std::vector<Cut> cuts;
   runOnRoot(comm, [&] { cuts = cutPlaces(places, options, comm.getSize()); });
-  const Cut cut = exchangeEach(comm, std::move(cuts)).front();
+  const Cut cut = scattered(comm, cuts);
   std::vector<SentElement> sent;
   for (std::size_t i = 0; i < elements.size(); ++i) sent.push_back({cut.subdomainOf[i], elements[i]});
   std::map<int, ElementPart> parts;  // of this rank, by number
