@@ -2,6 +2,7 @@
 #pragma once
 #include <Teuchos_Comm.hpp>
 #include <cstdint>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -58,9 +59,15 @@ std::vector<T> sendItems(const Communicator& comm, const std::vector<T>& items, 
   for (const T& item : items) outgoing[std::size_t(rankOf(item))].write(item);
   std::vector<Bytes> messages;
   for (ByteWriter& writer : outgoing) messages.push_back(writer.take());
+  messages = exchangeAll(comm, messages);
   std::vector<T> received;
+  if constexpr (std::is_trivially_copyable_v<T>) {  // a list that grows would ask for twice its memory
+    std::size_t bytes = 0;
+    for (const Bytes& message : messages) bytes += message.size();
+    received.reserve(bytes / sizeof(T));
+  }
   if (countFrom) countFrom->clear();
-  for (const Bytes& message : exchangeAll(comm, messages)) {
+  for (const Bytes& message : messages) {
     const std::size_t before = received.size();
     ByteReader(message).readAll(received);
     if (countFrom) countFrom->push_back(received.size() - before);

@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <memory>
+#include <new>
 #include <set>
 
 #include "Haptos_Error.hpp"
@@ -288,7 +290,8 @@ class Reader {
     const std::string what = "element block " + quoted(block.id, block.name);
     // The library copies the name of the type whole, however long it is, over what follows it in memory.
     const std::size_t longest = sizeof(ex_block) + std::size_t(fileBytes());
-    const std::unique_ptr<char[]> room(new char[longest]);
+    const std::unique_ptr<void, decltype(&std::free)> room(std::malloc(longest), &std::free);  // held as far as it is written to
+    if (!room) throw std::bad_alloc();
     auto& info = *new (room.get()) ex_block{};
     info.id = block.id;
     info.type = EX_ELEM_BLOCK;
