@@ -10,6 +10,7 @@ enum class Outcome {
   IterationLimit,       ///< as many outer steps as were allowed
   RoundOff,             ///< no gain any more at the level of round-off
   Stalled,              ///< the residual is no longer halved
+  Stagnated,            ///< many outer steps without gain, far from round-off as far as is known
   NotConverged          ///< conjugate gradients came to their end without success
 };
 
@@ -21,6 +22,7 @@ inline const char* describe(Outcome outcome) {
     case Outcome::IterationLimit: return "limit of outer iterations";
     case Outcome::RoundOff: return "stagnation at round-off";
     case Outcome::Stalled: return "the residual was no longer halved";
+    case Outcome::Stagnated: return "many outer steps without gain in the residual";
     case Outcome::NotConverged: break;
   }
   return "conjugate gradients did not converge";

@@ -30,9 +30,9 @@ PairProjection PairLaw::project(const std::array<double, 3>& x) const {
   return result;
 }
 
-ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, double openForce) {
-  constexpr double kOnEllipse = 1e-6;  // of the radius: forces are known to about the tolerance of a run
-  if (lambda[0] <= openForce) return ContactStatus::Open;
+ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, const StateScales& scales) {
+  const double onEllipse = std::max(1e-6, 10 * scales.tolerance);  // of the radius
+  if (lambda[0] <= std::max(1e-9, scales.tolerance) * scales.force) return ContactStatus::Open;
   if (!pair.frictional()) return ContactStatus::Slip;
   const double g = pair.slipBound(lambda[0]);
   double radius2 = 0;
@@ -42,7 +42,7 @@ ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& la
       radius2 += std::pow(lambda[1 + t] / (pair.coefficients[t] * g), 2);
       stuck = true;
     }
-  return stuck && std::sqrt(radius2) < 1 - kOnEllipse ? ContactStatus::Stick : ContactStatus::Slip;
+  return stuck && std::sqrt(radius2) < 1 - onEllipse ? ContactStatus::Stick : ContactStatus::Slip;
 }
 
 }  // namespace Haptos

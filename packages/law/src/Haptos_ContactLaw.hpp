@@ -64,9 +64,14 @@ class ContactLaw {
   std::vector<PairLaw> pairs_;
 };
 
-/// \brief Whether T lies on its ellipse to 1e-6 relative, is open, or sticks (definitions of the output).
-///
-/// \param openForce pairs with a smaller normal force are open
-ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, double openForce);
+/// \brief What forces are compared with where they tell states.
+struct StateScales {
+  double force;      ///< l_ref
+  double tolerance;  ///< of the run: forces are known to about this
+};
+
+/// \brief Whether the normal force is at most max(1e-9, tolerance) l_ref (open), T lies on its ellipse to max(1e-6, 10 tolerance)
+/// relative (slip), or neither (stick).
+ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, const StateScales& scales);
 
 }  // namespace Haptos

@@ -101,12 +101,18 @@ TEUCHOS_UNIT_TEST(PairLaw, PinnedComponentsStayZero) {
 
 TEUCHOS_UNIT_TEST(ContactStatus, FollowsTheDefinition) {
   const PairLaw coulomb = makeLaw(FrictionLaw::Coulomb, {0.3, 0.15});
-  TEST_ASSERT(contactStatus(coulomb, {1e-10, 0, 0}, 1e-9) == ContactStatus::Open);
-  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0}, 1e-9) == ContactStatus::Stick);
-  TEST_ASSERT(contactStatus(coulomb, {1, 0.3, 0}, 1e-9) == ContactStatus::Slip);
-  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 5e-7)}, 1e-9) == ContactStatus::Slip);
-  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 2e-6)}, 1e-9) == ContactStatus::Stick);
-  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Frictionless, {0, 0}), {1, 0, 0}, 0) == ContactStatus::Slip);
-  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Coulomb, {0, 0}), {1, 0, 0}, 0) == ContactStatus::Slip);
-  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Tresca, {0.3, 0.3}, 2.0), {1, 0.5, 0}, 0) == ContactStatus::Stick);
+  TEST_ASSERT(contactStatus(coulomb, {1e-10, 0, 0}, {1.0, 0.0}) == ContactStatus::Open);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0}, {1.0, 0.0}) == ContactStatus::Stick);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0.3, 0}, {1.0, 0.0}) == ContactStatus::Slip);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 5e-7)}, {1.0, 0.0}) == ContactStatus::Slip);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 2e-6)}, {1.0, 0.0}) == ContactStatus::Stick);
+  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Frictionless, {0, 0}), {1, 0, 0}, {0.0, 0.0}) == ContactStatus::Slip);
+  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Coulomb, {0, 0}), {1, 0, 0}, {0.0, 0.0}) == ContactStatus::Slip);
+  TEST_ASSERT(contactStatus(makeLaw(FrictionLaw::Tresca, {0.3, 0.3}, 2.0), {1, 0.5, 0}, {0.0, 0.0}) == ContactStatus::Stick);
+  // what the tolerance of a run does not resolve makes no states
+  const StateScales coarse{2.0, 1e-4};
+  TEST_ASSERT(contactStatus(coulomb, {1.9e-4, 0, 0}, coarse) == ContactStatus::Open);
+  TEST_ASSERT(contactStatus(coulomb, {2.1e-4, 0, 0}, coarse) == ContactStatus::Stick);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 0.9e-3)}, coarse) == ContactStatus::Slip);
+  TEST_ASSERT(contactStatus(coulomb, {1, 0, 0.15 * (1 - 1.1e-3)}, coarse) == ContactStatus::Stick);
 }

@@ -104,7 +104,7 @@ class SmalseSolMgr : public Belos::SolverManager<Scalar, MV, OP> {
   RCP<const Teuchos::ParameterList> getCurrentParameters() const override { return parameters_; }
   typename Teuchos::ScalarTraits<Scalar>::magnitudeType achievedTol() const override { return residual_; }
   int getNumIters() const override { return int(history_.size()); }  ///< outer steps
-  bool isLOADetected() const override { return outcome_ == Outcome::RoundOff; }
+  bool isLOADetected() const override { return outcome_ == Outcome::Stagnated; }
   void reset(const Belos::ResetType type) override;
 
  private:

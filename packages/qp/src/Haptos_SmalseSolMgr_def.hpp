@@ -198,7 +198,7 @@ bool SmalseSolMgr<Scalar, MV, OP>::isFinished() {
   else if (inner_->cause() == Inner::Cause::limit)
     outcome_ = Outcome::MultiplicationLimit;
   else if (stagnates())
-    outcome_ = Outcome::RoundOff;
+    outcome_ = Outcome::Stagnated;
   return outcome_.has_value();
 }
 

@@ -26,7 +26,7 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
 
 // Multipliers act against the jump: the force on the secondary node is -(lambda_N n + lambda_T1 t1 + lambda_T2 t2).
 PairResult describePair(const LocalPair& local, const PairLaw& law, const std::array<double, 3>& l,
-                        const std::array<double, 3>& s, double openForce) {
+                        const std::array<double, 3>& s, const StateScales& scales) {
   const ContactPair& geometry = local.geometry;
   PairResult result = startResult(geometry, local.interface, local.pair);
   for (int d = 0; d < 3; ++d) {
@@ -36,7 +36,7 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
   result.normalForce = l[0];
   result.pressure = l[0] / geometry.area;
   result.gap = -s[0];
-  result.status = contactStatus(law, l, openForce);
+  result.status = contactStatus(law, l, scales);
   return result;
 }
 
@@ -99,12 +99,12 @@ void setSlip(const NodalGather& gather, const std::vector<double>& displacement,
 
 // s = B u - c, so that -s_N = d - n [u] is what is left of the gap.
 std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
-                                             const Vector& s, double forceScale) {
+                                             const Vector& s, const StateScales& scales) {
   const auto l = lambda.getData(0), jump = s.getData(0);
   std::vector<PairResult> mine;
   for (std::size_t i = 0; i < law.pairs().size(); ++i)
     mine.push_back(describePair(multipliers.pairs()[i], law.pairs()[i], ContactLaw::gather(law.pairs()[i], l.getRawPtr()),
-                                ContactLaw::gather(law.pairs()[i], jump.getRawPtr()), 1e-9 * forceScale));
+                                ContactLaw::gather(law.pairs()[i], jump.getRawPtr()), scales));
   return allOnRoot(*multipliers.map()->getComm(), mine);
 }
 

@@ -38,9 +38,9 @@ struct PairResult : PairState {
 /// \brief The contact pairs of all ranks, on rank 0 in the order of interfaces and pairs; empty elsewhere.  Collective.
 ///
 /// Slip is left to `setSlip`.
-/// \param s B u - c on the dual map, \param forceScale l_ref: below 1e-9 of it a pair counts as open.
+/// \param s B u - c on the dual map, \param scales tell open, slipping and sticking pairs
 std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, const ContactLaw& law, const Vector& lambda,
-                                             const Vector& s, double forceScale);
+                                             const Vector& s, const StateScales& scales);
 
 /// \brief The tied pairs of all ranks in the same way; a normal force < 0 pulls.  Slip is left to `setSlip`.  Collective.
 ///

@@ -221,8 +221,8 @@ SimulationResult Simulation::collect(const StepResult& step) {
   result.dual = step.dual;
   Vector jump(feti.c(), Teuchos::Copy);
   feti.jump().apply(*step.u, jump, Teuchos::NO_TRANS, 1.0, -1.0);
-  const double forceScale = contactForceScale(feti.law(), *result.dual.lambda, step.accuracy.scales.load);
-  result.pairs = gatherContactResults(*model_->multipliers, feti.law(), *result.dual.lambda, jump, forceScale);
+  const StateScales scales{contactForceScale(feti.law(), *result.dual.lambda, step.accuracy.scales.load), options_.solver.tolerance};
+  result.pairs = gatherContactResults(*model_->multipliers, feti.law(), *result.dual.lambda, jump, scales);
   const auto tied = gatherTiedResults(*model_->multipliers, *result.dual.lambda);
   result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
   const NodalGather& gather = *feti.model().gather;

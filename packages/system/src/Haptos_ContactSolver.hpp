@@ -58,6 +58,6 @@ struct SolverContext {
 };
 
 /// \brief Numbers of pairs that stick, slip, are open, over all ranks.  Collective.
-std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale);
+std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, const StateScales& scales);
 
 }  // namespace Haptos

@@ -57,11 +57,11 @@ RCP<MultiVector> gapMultiplier(const FetiSystem& system) {
 
 }  // namespace
 
-std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, double forceScale) {
+std::array<long, 3> countStates(const ContactLaw& law, const Vector& lambda, const StateScales& scales) {
   std::array<long, 3> mine{0, 0, 0};
   const auto data = lambda.getData(0);
   for (const auto& pair : law.pairs()) {
-    const auto status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), 1e-9 * forceScale);
+    const auto status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), scales);
     ++mine[status == ContactStatus::Stick ? 0 : status == ContactStatus::Slip ? 1 : 2];
   }
   return sumOfAll(*lambda.getMap()->getComm(), mine);
@@ -106,7 +106,11 @@ void SmalseContactSolver::begin(const RCP<const Vector>& start) {
 
 SmalseContactSolver::~SmalseContactSolver() = default;
 
-Outcome SmalseContactSolver::outcome() const { return impl_->manager.outcome(); }
+// What round-off hides is known to the estimate alone.
+Outcome SmalseContactSolver::outcome() const {
+  const Outcome outcome = impl_->manager.outcome();
+  return outcome == Outcome::Stagnated && impl_->estimator.isRoundOff() ? Outcome::RoundOff : outcome;
+}
 
 int SmalseContactSolver::outerIterations() const { return int(impl_->manager.history().size()); }
 
@@ -135,7 +139,8 @@ double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector&
 void SmalseContactSolver::record(double residual) {
   const FetiSystem& system = context_.system;
   const Vector lambda(*impl_->x->getVector(0), Teuchos::Copy);
-  const auto states = countStates(system.law(), lambda, contactForceScale(system.law(), lambda, context_.loads.largest));
+  const double force = contactForceScale(system.law(), lambda, context_.loads.largest);
+  const auto states = countStates(system.law(), lambda, {force, impl_->request.tolerance});
   history_.push_back({system.dual().F->applications(), residual, states[0], states[1], states[2]});
   if (context_.progress) context_.progress(history_.back());
 }

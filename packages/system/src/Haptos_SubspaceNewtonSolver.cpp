@@ -89,7 +89,7 @@ struct SubspaceNewtonSolver::Impl {
   void keep(const SubspaceNewtonRecord& record, const Vector& l) {
     const ContactLaw& law = context.system.law();
     const double force = record.isFinalLevel ? estimator->contactForce() : contactForceScale(law, l, context.loads.largest);
-    const auto states = countStates(law, l, force);
+    const auto states = countStates(law, l, {force, request.tolerance});
     const double residual = record.isFinalLevel ? estimator->kkt() : record.residual;
     history.push_back({context.system.dual().F->applications(), residual, states[0], states[1], states[2]});
     if (context.progress) context.progress(history.back());

@@ -157,7 +157,7 @@ TEUCHOS_UNIT_TEST(ContactResults, ForcesBalanceAndStatesAreCounted) {
   const PressedBlocks blocks;
   const auto lambda = scattered(blocks.feti.map(), blocks.lambda);
   Vector s(blocks.feti.map());
-  const auto pairs = gatherContactResults(*blocks.feti.dealt.multipliers, *blocks.law, *lambda, s, 1.0);
+  const auto pairs = gatherContactResults(*blocks.feti.dealt.multipliers, *blocks.law, *lambda, s, {1.0, 0.0});
   if (blocks.feti.comm->getRank() != 0) {
     TEST_ASSERT(pairs.empty());
     return;
@@ -212,7 +212,7 @@ TEUCHOS_UNIT_TEST(ContactResults, ListsShareForcesAndSlips) {
       lambda[row] = 0;
   const ContactLaw law = makeContactLaw(multipliers, std::vector<FrictionSpec>(3, {FrictionLaw::Coulomb, {0.3, 0.2}}));
   Vector s(feti.map());
-  auto pairs = gatherContactResults(multipliers, law, *scattered(feti.map(), lambda), s, 1.0);
+  auto pairs = gatherContactResults(multipliers, law, *scattered(feti.map(), lambda), s, {1.0, 0.0});
   const auto tied = gatherTiedResults(multipliers, *scattered(feti.map(), lambda));
   pairs.insert(pairs.end(), tied.begin(), tied.end());
   std::vector<double> u(3 * scene.mesh.numNodes());

@@ -1,0 +1,145 @@
+# SPDX-License-Identifier: BSD-3-Clause
+"""Draws random scenes, runs them, checks each answer independently of the library, and prints a distribution and the worst.
+
+    sweep.py --haptos PROGRAM [--mpirun "mpirun --oversubscribe"] [--seed 1] [--count 100] [--only INDEX...] [--ranks 1 2 3]
+             [--method Automatic] [--most F] [--write doc/sweep.md] [--keep FOLDER]
+
+A scene holds if it ends with status 0 and all measures of the written field but its equilibrium are at most ten tolerances, with
+F on all ranks within 2 % + 2 of each other, or with status 3 on all of them.  --only reproduces scenes by their number.
+"""
+import argparse
+import json
+import os
+import pathlib
+import shlex
+import subprocess
+import sys
+import tempfile
+
+try:
+    import numpy as np
+
+    import certificate
+    import random_scenes
+except ImportError as missing:
+    print(f"not run: {missing}")
+    sys.exit(77)
+
+ALLOWED = 10  # tolerances
+
+
+def run(arguments, path, ranks):
+    """Exit status and summary, or the message where there is none."""
+    summary = path.with_suffix(f".{ranks}.json")
+    command = [arguments.haptos, path, "--output", path.with_suffix(".result.exo"), "--summary", summary, "--set",
+               f"Solver->Method={arguments.method}"]
+    if ranks > 1:
+        command = [*shlex.split(arguments.mpirun), "-n", str(ranks), *command]
+    environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
+                   "OMPI_MCA_mpi_yield_when_idle": "1"}
+    try:
+        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=arguments.timeout)
+    except subprocess.TimeoutExpired:
+        return None, {"message": f"more than {arguments.timeout} s"}
+    if not summary.exists():
+        return done.returncode, {"message": (done.stderr.strip().splitlines() or [""])[-1]}
+    return done.returncode, json.loads(summary.read_text())
+
+
+def examine(arguments, index, folder):
+    """One scene on all ranks: a row of results."""
+    scene = random_scenes.draw(arguments.seed, index)
+    path = random_scenes.write(scene, folder, f"scene{index}")
+    row = {"index": index, "scene": scene.describe(), "F": [], "status": [], "why": [], "errors": {}, "pairs": 0, "seconds": 0.0}
+    for ranks in arguments.ranks:
+        status, summary = run(arguments, path, ranks)
+        row["status"].append(status)
+        if "solver" not in summary:
+            row["why"].append(f"{ranks} ranks: status {status}, {summary['message']}" if status != 3 else "")
+            continue
+        row["F"].append(summary["solver"]["hessian_multiplications"])
+        row["pairs"], row["seconds"] = summary["model"]["contact_pairs"], summary["time"]["solve"]
+        if status != 0:
+            row["why"].append(f"{ranks} ranks: status {status}, {summary['solver']['reason']}")
+            continue
+        errors = certificate.certify(scene, random_scenes.mesh_of(scene), random_scenes.SIDES, path.with_suffix(".result.exo"))
+        row["errors"] = {key: max(value, row["errors"].get(key, 0)) for key, value in errors.items()}
+    judge(scene, row, arguments)
+    return row
+
+
+def judge(scene, row, arguments):
+    for key, value in row["errors"].items():
+        if key != "field_equilibrium" and not value <= ALLOWED * scene.tolerance:
+            row["why"].append(f"{key} {value:.1e}")
+    if row["F"] and max(row["F"]) > 1.02 * min(row["F"]) + 2:
+        row["why"].append("F depends on the ranks")
+    if len(set(row["status"])) > 1:
+        row["why"].append("the status depends on the ranks")
+    if arguments.most and row["F"] and max(row["F"]) > arguments.most:
+        row["why"].append(f"more than {arguments.most} multiplications")
+    row["why"] = [why for why in row["why"] if why]
+
+
+def distribution(rows):
+    """Lines of text about the rows that were solved."""
+    counts = np.array([max(row["F"]) for row in rows if row["F"] and not any(row["status"])])
+    if len(counts) == 0:
+        return ["none solved"]
+    fields = np.array([row["errors"]["field_equilibrium"] for row in rows if row["errors"]])
+    return [f"{len(rows)} scenes: {len(counts)} solved, {sum(row['status'][0] == 3 for row in rows)} without a solution, "
+            f"{sum(bool(row['why']) for row in rows)} do not hold",
+            f"multiplications: median {np.median(counts):.0f}, 90th percentile {np.percentile(counts, 90):.0f}, largest {counts.max()}",
+            f"equilibrium of the written field: median {np.median(fields):.1e}, 90th percentile {np.percentile(fields, 90):.1e}, "
+            f"largest {fields.max():.1e}"]
+
+
+def table(rows):
+    lines = ["| scene | what | pairs | F | field equilibrium | remarks |", "|---|---|---|---|---|---|"]
+    for row in rows:
+        field = f"{row['errors']['field_equilibrium']:.0e}" if row["errors"] else ""
+        lines.append(f"| {row['index']} | {row['scene']} | {row['pairs']} | {', '.join(map(str, row['F']))} | {field} | {'; '.join(row['why'])} |")
+    return lines
+
+
+def worst(rows, many=10):
+    return sorted(rows, key=lambda row: (bool(row["why"]), max(row["F"], default=0)), reverse=True)[:many]
+
+
+def chart(rows):
+    """Sorted multiplications as a curve of text, one line a decile."""
+    counts = sorted(max(row["F"]) for row in rows if row["F"])
+    marks = [counts[min(len(counts) - 1, len(counts) * part // 100)] for part in range(0, 101, 10)] if counts else []
+    return [f"{part:3d} %  {'#' * min(100, mark)} {mark}" for part, mark in zip(range(0, 101, 10), marks)]
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--haptos", required=True)
+    parser.add_argument("--mpirun", default="mpirun --oversubscribe")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--count", type=int, default=100)
+    parser.add_argument("--only", type=int, nargs="*")
+    parser.add_argument("--ranks", type=int, nargs="*", default=[1])
+    parser.add_argument("--method", default="Automatic")
+    parser.add_argument("--most", type=int, default=0)
+    parser.add_argument("--timeout", type=float, default=300)
+    parser.add_argument("--write", type=pathlib.Path)
+    parser.add_argument("--keep", type=pathlib.Path)
+    arguments = parser.parse_args()
+    rows = []
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = arguments.keep or pathlib.Path(temporary)
+        folder.mkdir(exist_ok=True)
+        for index in arguments.only or range(arguments.count):
+            rows.append(examine(arguments, index, folder))
+            print(*table(rows[-1:])[2:], flush=True)
+    print(*distribution(rows), sep="\n")
+    if arguments.write:
+        arguments.write.write_text("\n".join([f"# Random scenes, seed {arguments.seed}", "", *distribution(rows), "", "```", *chart(rows), "```", "",
+                                              "The worst:", "", *table(worst(rows)), ""]))
+    return 1 if any(row["why"] for row in rows) else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
