@@ -74,16 +74,18 @@ struct CondensedContact::Model {
   }
 
   // A start near the solution is worth more than a path from no start: most solves need two or three Newton steps.
-  Eigen::VectorXd solve() const {
+  Point solve(double& left) const {
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(s.size());
     const Point start = at(zero, zero);
     const double target = options.reduction * start.norm;
     Point near = newton(start, target);
-    if (near.norm <= target) return near.sigma;
+    left = start.norm > 0 ? near.norm / start.norm : 0.0;
+    if (near.norm <= target) return near;
     const Eigen::VectorXd sigma =
         followConePath(pairs, M, lambda, s, [&](const Eigen::VectorXd& x) { return at(x).norm; }, target, options);
     Point far = newton(at(sigma), target);
-    return far.norm < near.norm ? far.sigma : near.sigma;
+    left = std::min(near.norm, far.norm) / start.norm;
+    return far.norm < near.norm ? far : near;
   }
 };
 
@@ -100,8 +102,9 @@ Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, c
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
                                                  const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) const {
   const Model model{contact_, options_, pairs, r, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
-  const Eigen::VectorXd sigma = model.solve();
-  return {response(s, sigma), sigma};
+  double left = 0;
+  const Eigen::VectorXd sigma = model.solve(left).sigma;
+  return {response(s, sigma), sigma, left};
 }
 
 }  // namespace Haptos

@@ -27,6 +27,7 @@ class CondensedContact {
   struct Step {
     Eigen::VectorXd z;      ///< [rows] multipliers
     Eigen::VectorXd sigma;  ///< [3 pairs] change of the contact jumps, sign reversed
+    double left;            ///< of phi
   };
   /// \brief Solves the law to `Condensed::reduction`: by Newton's method from here, by interior points where that fails.
   /// \param r [pairs].  Collective.

@@ -52,11 +52,12 @@ void CondensedDirection::holdFloatingBodies(Eigen::VectorXd& v) const {
 
 Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point,
                                       Target target) {
+  constexpr double kLeadsOn = 0.5;  // of phi: where the law is not even half solved, the state is beyond help
   Direction direction;
   if (target == Target::Law) {
     // sigma solves the law at s_c - sigma, so v is a step as it stands
     CondensedContact::Step step = contact_.solveLaw(pairs, law.r, point.lambda, point.s);
-    direction = {std::move(step.z), true, -step.sigma};
+    direction = {std::move(step.z), true, -step.sigma, step.left <= kLeadsOn};
   } else {
     direction.v = contact_.solveLinearized(law, point.s, point.phi);
   }

@@ -19,6 +19,7 @@ struct Direction {
   Eigen::VectorXd v;            ///< [rows]
   bool isWhole = false;         ///< v itself is a step, not only a direction to search in
   Eigen::VectorXd jumpChange;   ///< [3 pairs] where it is whole: what v is to change the contact jumps by
+  bool leadsOn = true;          ///< what it was made for is solved, at least in part
 };
 
 /// \brief How a pair of the subspace is made from the residual of the law: the strategy of the subspace Newton method.

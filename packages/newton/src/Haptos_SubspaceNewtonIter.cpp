@@ -53,6 +53,7 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
   const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
   const auto target = linear_ ? NewtonDirection::Target::Linearization : NewtonDirection::Target::Law;
   const Direction direction = directions_.current().compute(*pairs_, law_, {lambda, s, phi}, target);
+  hopeless_ = direction.leadsOn ? 0 : hopeless_ + 1;
   Eigen::VectorXd sv = -vectors_.apply(*dual_.F, direction.v);  // the only F of a step
   balance_.removeRigidPart(sv);
   makeRoom(dLambda, dS, state);
@@ -165,7 +166,7 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
   pairs_ = &pairs;
   firstApplication_ = dual_.F->applications();
   linear_ = idle_ = false;
-  goodSteps_ = penaltyTried_ = 0;
+  goodSteps_ = hopeless_ = penaltyTried_ = 0;
   r_ = baseR_ * options_.penalties[0];
   window_.clear();
   linearize(state);
@@ -187,7 +188,7 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  return hasStalled(limits, 1) || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
+  return hasStalled(limits, 1) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
 }
 
 // One step: a direction, or directions for the frozen linearisation, and Gauss-Newton in what there is then.

@@ -86,7 +86,7 @@ class SubspaceNewtonIter {
   double norm_ = 0, bestNorm_ = 0, halved_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false;
-  int goodSteps_ = 0, penaltyTried_ = 0, steps_ = 0;
+  int goodSteps_ = 0, hopeless_ = 0, penaltyTried_ = 0, steps_ = 0;
   std::vector<double> window_;
 };
 

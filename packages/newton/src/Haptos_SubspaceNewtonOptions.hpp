@@ -77,6 +77,8 @@ struct SubspaceNewtonOptions {
     /// They get three times the patience, for that reason (52 against 231 F).
     int linearPatience = 3;
     int passPatience = 2;          ///< and within a pass twice that: cut off, its directions would be for nothing
+    /// Directions in a row whose model was not solved from where the state is: a fresh start takes fewer (78 F became 28).
+    int hopelessDirections = 2;
     double goodStep = 0.5;         ///< a step that leaves less is good
     int goodSteps = 2;             ///< so many, and directions are made for the law of every step again
     double idle = 0.9;             ///< a linearisation that leaves more adds a direction the next time: no endless loop without F
