@@ -49,16 +49,14 @@ class Arnoldi {
 
   void add(Eigen::VectorXd w) {
     Eigen::VectorXd h = Eigen::VectorXd::Zero(size_ + 1), sums(size_ + 2);
-    constexpr double kMuch = 1e-4;  // of the square: two digits are lost at most
     double left2 = 0, whole2 = 0;
-    for (int pass = 0; pass < 2; ++pass) {  // classical Gram-Schmidt, again where much was taken off
+    for (int pass = 0; pass < 2; ++pass) {  // classical Gram-Schmidt, twice
       sums << V_.transposedTimes(w), w.squaredNorm();
       vectors_.sum(sums);
       V_.addProduct(-sums.head(size_ + 1), w);
       h += sums.head(size_ + 1);
       left2 = std::max(0.0, sums[size_ + 1] - sums.head(size_ + 1).squaredNorm());
       if (pass == 0) whole2 = sums[size_ + 1];
-      if (left2 > kMuch * whole2) break;
     }
     constexpr double kDependent = 1e-28;  // of the square: round-off
     const double left = left2 > kDependent * whole2 ? std::sqrt(left2) : 0.0;

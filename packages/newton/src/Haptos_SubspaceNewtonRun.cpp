@@ -117,7 +117,8 @@ void SubspaceNewtonRun::condense() {
 // Condensed directions are taken from the start where M is known to be poor, else on a plateau: from the state reached, which is
 // worth more than a fresh start, unless that state has run away or leads nowhere.
 NewtonStop SubspaceNewtonRun::solveFromStart() {
-  if (dual_.needsDeflatedM || ContinuationPolicy(dual_.pairs, options_.continuation, vectors_.comm()).isElongated()) condense();
+  const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
+  if (dual_.needsDeflatedM || (policy.isElongated() && !isFloating())) condense();
   const NewtonStop stop = descend();
   if (stop != NewtonStop::Plateau) return stop;
   condense();
