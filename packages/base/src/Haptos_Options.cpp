@@ -29,9 +29,10 @@ const OptionTable<CoarseOptions>& CoarseOptions::table() {
   static const auto table =
       OptionTable<O>()
           .add("Replicated Up To", &O::replicatedUpTo, NumberRange::atLeast(0),
-               "Coarse unknowns up to which every rank holds a factor; a larger one is shared by groups of ranks")
+               "Coarse unknowns up to which every rank holds a factor; of a larger one each holds a share")
           .add("Ranks Per Factor", &O::ranksPerFactor, NumberRange::atLeast(0),
-               "Ranks that share a factor then; 0 takes those of a node");
+               "Beyond that, one of so many ranks holds the factor for them; 0 shares one among all ranks (without CHOLMOD: one of the ranks "
+               "of a node holds it)");
   return table;
 }
 

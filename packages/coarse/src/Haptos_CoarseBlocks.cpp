@@ -54,6 +54,13 @@ Bytes packBlocks(const BlockMap& blocks) {
   return writer.take();
 }
 
+Block transposed(const Block& block) {
+  Block result;
+  for (int a = 0; a < kModes; ++a)
+    for (int b = 0; b < kModes; ++b) result[std::size_t(b * kModes + a)] = block[std::size_t(a * kModes + b)];
+  return result;
+}
+
 void addBlock(BlockMap& blocks, std::uint64_t key, const Block& block, double factor = 1) {
   Block& sum = blocks.try_emplace(key, Block{}).first->second;
   for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += factor * block[i];
@@ -181,12 +188,18 @@ CoarseBlocks CoarseBlocks::onHolders(const CoarsePlacement& placement, Eigen::In
   auto received = exchangeAll(comm, messages);
   received.erase(std::remove(received.begin(), received.end(), Bytes{}), received.end());
   CoarseBlocks result;
-  result.blocks_ = sumBlocks(placement.gather(packBlocks(sumBlocks(received))));
+  result.blocks_ = sumBlocks(received);
+  if (!placement.isShared()) result.blocks_ = sumBlocks(placement.gather(packBlocks(result.blocks_)));
   return result;
 }
 
 void CoarseBlocks::add(const CoarseBlocks& other, double factor) {
   for (const auto& [key, block] : other.blocks_) addBlock(blocks_, key, block, factor);
+}
+
+void CoarseBlocks::add(int s, int t, const Block& block) {
+  if (s >= t) addBlock(blocks_, blockKey(s, t), block);
+  else addBlock(blocks_, blockKey(t, s), transposed(block));
 }
 
 // y_s += A_st a_t, y_t += A_st^T a_s
@@ -256,10 +269,7 @@ void CoarseMatrix::set(const std::vector<const CoarseBlocks*>& parts) {
       const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
       addBlock(s, t, block);
       if (s == t) continue;
-      Block transposed;
-      for (int a = 0; a < kModes; ++a)
-        for (int b = 0; b < kModes; ++b) transposed[std::size_t(b * kModes + a)] = block[std::size_t(a * kModes + b)];
-      addBlock(t, s, transposed);
+      addBlock(t, s, transposed(block));
     }
 }
 

@@ -27,10 +27,12 @@ class CoarseBlocks {
 
   /// \brief The sum over the ranks on the holders of a factor, the same digits on all of them; empty elsewhere.
   ///
-  /// Every block has an owner, who adds up what the ranks have of it in the order of the ranks.  Collective.
+  /// Every block has an owner, who adds up what the ranks have of it in the order of the ranks.  Where the ranks share a factor
+  /// it stays there: the ranks' results are parts of the sum.  Collective.
   CoarseBlocks onHolders(const CoarsePlacement& placement, Eigen::Index subdomains) const;
 
   void add(const CoarseBlocks& other, double factor = 1);
+  void add(int s, int t, const Block& block);  ///< in either triangle
   Eigen::VectorXd multiply(const Eigen::VectorXd& a) const;  ///< by the whole symmetric matrix, [l]
   double largestDiagonal() const;  ///< 0 without blocks
   const Map& blocks() const { return blocks_; }

@@ -7,7 +7,10 @@
 #include <climits>
 
 #include "Haptos_CoarseSchurFactor.hpp"
+#include "Haptos_CoarseTree.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -63,9 +66,8 @@ CoarseProblem::CoarseProblem(Placement placement, const CoarseRows& C, const std
     : placement_(std::move(placement)), size_(C.cols()) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = std::make_shared<const CoarseBlocks>(sumUp({C, q}));
-  CoarseCosts& costs = placement_->costs();
-  if (costs.setUps == 0 && placement_->holds()) costs.blocks = fixed_->size();
-  addHolds(holds, fixed_->largestDiagonal());
+  countBlocks({});
+  addHolds(holds, largestDiagonalWith({}));
   factor({});
 }
 
@@ -74,15 +76,15 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
   fixed_ = std::make_shared<const CoarseBlocks>(sumUp(fixed));
   CoarseBlocks first = sumUp(changing);
-  addHolds(holds, largestDiagonalOfSum(*fixed_, first));
-  CoarseCosts& costs = placement_->costs();
-  if (costs.setUps == 0 && placement_->holds()) costs.blocks = blocksOfSum(*fixed_, first);
+  addHolds(holds, largestDiagonalWith(first));
+  countBlocks(first);
   changing_ = subdomainsOf(first);
+  if (placement_->isShared()) changing_ = gatheredOnAll(placement_->comm(), changing_);  // owners' ranges ascend
   Eigen::MatrixXd condenses(1, 1);
   condenses(0, 0) = CoarseSchur::pays(paddedSize(), kModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
-  if (!condenses_) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, paddedSize());
+  if (!condenses_ && !placement_->isShared()) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, paddedSize());
   if (when == Factor::WithRoughRenewal) precision_ = FactorPrecision::Single;
   if (when == Factor::Now) factor(std::move(first));
 }
@@ -92,13 +94,28 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
 CoarseProblem::CoarseProblem(const CoarseProblem& whole, const Holds& holds)
     : placement_(whole.placement_), size_(whole.size_), fixed_(whole.fixed_) {
   const Measured measured(placement_->costs().setUpSeconds, placement_->costs().setUpSent);
-  addHolds(holds, fixed_->largestDiagonal());
+  addHolds(holds, largestDiagonalWith({}));
   condenses_ = whole.condenses_ && holds.empty() && !whole.isHeld_;
   if (condenses_ && whole.condensed_) condensed_ = std::make_unique<CoarseSchurFactor>(whole.condensed_->schur(), precision_);
+  if (condenses_ && whole.shared_) shared_ = std::make_unique<CoarseTreeFactor>(whole.shared_->tree());
   factor({});
 }
 
 CoarseProblem::~CoarseProblem() = default;
+
+// Of the fixed rows and `first`; on the holders, or on all ranks where these have parts.
+double CoarseProblem::largestDiagonalWith(const CoarseBlocks& first) const {
+  const double mine = largestDiagonalOfSum(*fixed_, first);
+  return placement_->isShared() ? largestOfAll(placement_->comm(), mine) : mine;
+}
+
+// Of the first matrix of a run.
+void CoarseProblem::countBlocks(const CoarseBlocks& first) const {
+  CoarseCosts& costs = placement_->costs();
+  if (costs.setUps > 0 || !placement_->holds()) return;
+  const auto mine = (long long)(blocksOfSum(*fixed_, first));
+  costs.blocks = std::size_t(placement_->isShared() ? sumOfAll(placement_->comm(), mine) : mine);
+}
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
   return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kModes);
@@ -122,7 +139,8 @@ void CoarseProblem::addHolds(const Holds& holds, double scale) {
     all.emplace_back(paddedSize());
     all.back().insert(i) = 1;
   }
-  held_.add(CoarseBlocks(all), scale > 0 ? scale : 1.0);  // 0: no row at all
+  const bool adds = !placement_->isShared() || placement_->comm().getRank() == 0;  // once
+  if (adds) held_.add(CoarseBlocks(all), scale > 0 ? scale : 1.0);                 // 0: no row at all
   isHeld_ = !holds.empty();
 }
 
@@ -140,11 +158,12 @@ void CoarseProblem::factor(CoarseBlocks changing) {
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
   const auto work = [&] {
-    if (condenses_) factorCondensed();
+    if (placement_->isShared()) factorShared();
+    else if (condenses_) factorCondensed();
     else factorWhole();
-    costs.factorEntries = std::max(costs.factorEntries, condenses_ ? condensed_->factorEntries() : factor_->factorEntries());
+    costs.factorEntries = std::max(costs.factorEntries, factorEntries());
   };
-  if (placement_->isReplicated()) {
+  if (placement_->isReplicated() || placement_->isShared()) {
     work();  // fails on all ranks or on none
     return;
   }
@@ -170,8 +189,30 @@ void CoarseProblem::factorCondensed() {
   if (!condensed_) {
     const CoarseSchur::Parts stays{fixed_.get(), &held_};
     condensed_ = std::make_unique<CoarseSchurFactor>(std::make_shared<const CoarseSchur>(paddedSize(), stays, changing_), precision_);
+    placement_->costs().flops += condensed_->schur()->flops();
   }
   condensed_->renew(changingBlocks_);
+  const double c = double(condensed_->schurSize());
+  placement_->costs().flops += c * c * c / 6;
+}
+
+// The same over all ranks; where nothing is condensed, all of it anew.
+void CoarseProblem::factorShared() {
+  CoarseSchur::Parts parts{fixed_.get(), &held_};
+  if (!condenses_) parts.push_back(&changingBlocks_);
+  if (!shared_ || !condenses_) {
+    shared_ = std::make_unique<CoarseTreeFactor>(
+        std::make_shared<const CoarseTree>(*placement_, paddedSize(), parts, condenses_ ? changing_ : std::vector<int>{}));
+    placement_->costs().flops += shared_->tree()->flops();
+  }
+  shared_->renew(condenses_ ? changingBlocks_ : CoarseBlocks());
+  placement_->costs().flops += shared_->flops();
+}
+
+std::size_t CoarseProblem::factorEntries() const {
+  if (shared_) return shared_->entries();
+  if (condensed_) return condensed_->factorEntries();
+  return factor_ ? factor_->factorEntries() : 0;
 }
 
 // b on the holders, empty elsewhere; x on all.
@@ -180,15 +221,18 @@ Eigen::MatrixXd CoarseProblem::solveOnHolders(const Eigen::MatrixXd& b, Eigen::I
   const Eigen::MatrixXd& rhs = paddedSize() == b.rows() ? b : copy = padded(b);
   if (factor_) factor_->solve(rhs, x);
   if (condensed_) x = condensed_->solve(rhs);
+  if (shared_) x = shared_->solve(rhs);
   x.conservativeResize(rows, Eigen::NoChange);
   placement_->broadcast(x);
-  count(columns);
+  count(columns, double(factorEntries()));
   return x;
 }
 
-void CoarseProblem::count(Eigen::Index columns) const {
+// Each entry is read forward and backward.
+void CoarseProblem::count(Eigen::Index columns, double entries) const {
   solves_ += long(columns);
   placement_->costs().solves += long(columns);
+  placement_->costs().entriesRead += 2 * entries * double(columns);
 }
 
 Eigen::MatrixXd CoarseProblem::solve(const Eigen::MatrixXd& b) const {
@@ -204,6 +248,10 @@ Eigen::MatrixXd CoarseProblem::solveSum(const Eigen::MatrixXd& mine, const Eigen
   return solveOnHolders(b, mine.rows(), mine.cols());
 }
 
+struct CoarseProblem::Series::SharedElimination {
+  CoarseTree::Eliminated rhs;
+};
+
 CoarseProblem::Series::Series(const CoarseProblem& problem, Eigen::VectorXd mine) : problem_(problem), mine_(std::move(mine)) {}
 
 // a_k = A^-1 r_k with r_1 = b_1 and, since A_fixed a = A a - E a and A a_i = r_i,
@@ -217,28 +265,57 @@ Eigen::VectorXd CoarseProblem::Series::next(const Eigen::VectorXd& changing) {
   const Measured measured(placement.costs().solveSeconds, placement.costs().solveSent);
   const bool isFirst = first_.size() == 0;
   if (isFirst) first_ = changing;
-  Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : Eigen::VectorXd(changing - first_));
+  Eigen::MatrixXd b = placement.sum(isFirst ? Eigen::VectorXd(mine_ + changing) : addChanging(changing - first_));
   Eigen::MatrixXd a(changing.size(), 1);
   if (placement.holds()) {
     b = problem_.padded(std::move(b));
-    if (isFirst) {
-      eliminated_ = problem_.condenses_ ? problem_.condensed_->schur()->eliminate(b) : b;
-      total_ = Eigen::VectorXd::Zero(b.rows());
-    }
-    a = solveForRest(isFirst ? Eigen::VectorXd() : Eigen::VectorXd(b + problem_.changingBlocks_.multiply(total_)));
+    if (isFirst) eliminate(b);
+    else if (!problem_.shared_) b += problem_.changingBlocks_.multiply(total_);
+    a = solveForRest(isFirst ? Eigen::VectorXd() : Eigen::VectorXd(b));
     total_ += a;
     a.conservativeResize(changing.size(), Eigen::NoChange);
   }
   placement.broadcast(a);
-  problem_.count(1);
+  problem_.count(1, entriesOfNext(isFirst));
   return a;
+}
+
+// Where each rank has a part of E, E (all a so far) is summed up with the rest.
+Eigen::VectorXd CoarseProblem::Series::addChanging(Eigen::VectorXd changing) const {
+  if (problem_.shared_) changing += problem_.changingBlocks_.multiply(total_).head(changing.size());
+  return changing;
+}
+
+void CoarseProblem::Series::eliminate(const Eigen::MatrixXd& b) {
+  total_ = Eigen::VectorXd::Zero(b.rows());
+  if (problem_.shared_ && problem_.condenses_) {
+    shared_ = std::make_shared<const SharedElimination>(SharedElimination{problem_.shared_->tree()->eliminate(b)});
+    eliminated_ = shared_->rhs.last;
+  } else {
+    eliminated_ = problem_.condensed_ ? problem_.condensed_->schur()->eliminate(b) : b;
+  }
+}
+
+// The whole of a factor for the first, if that is not condensed for all; else what changes alone.
+double CoarseProblem::Series::entriesOfNext(bool isFirst) const {
+  if (!problem_.condenses_ || isFirst) return double(problem_.factorEntries());
+  if (problem_.shared_) return double(problem_.shared_->entries() - problem_.shared_->tree()->entries());
+  const double c = problem_.condensed_ ? double(problem_.condensed_->schurSize()) : 0;
+  return c * (c + 1) / 2;
+}
+
+// Unknown of every row of `rhs` in solveForRest.
+int CoarseProblem::Series::unknown(Eigen::Index row) const {
+  if (shared_) return CoarseBlocks::kModes * problem_.changing_[std::size_t(row / CoarseBlocks::kModes)] + int(row % CoarseBlocks::kModes);
+  if (!problem_.condensed_) return int(row);
+  const auto& order = problem_.condensed_->schur()->order();
+  return order[order.size() - std::size_t(problem_.condensed_->schurSize()) + std::size_t(row)];
 }
 
 // a of r = (b_1 with the others eliminated) + `more` - (all r so far), more = b_k - b_1 + E (all a so far) [l]; empty at k = 1.
 Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more) {
   const CoarseSchurFactor* condensed = problem_.condensed_.get();
-  const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows(), others = eliminated_.rows() - n;
-  const auto unknown = [&](Eigen::Index i) { return condensed ? condensed->schur()->order()[std::size_t(others + i)] : i; };
+  const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows();
   Eigen::VectorXd rhs = eliminated_.bottomRows(n);
   if (more.size() > 0) {
     rhs -= solvedFor_;
@@ -249,8 +326,10 @@ Eigen::VectorXd CoarseProblem::Series::solveForRest(const Eigen::VectorXd& more)
   }
   Eigen::MatrixXd x = rhs;
   if (condensed) condensed->solveSchur(x);
+  else if (shared_) x = problem_.shared_->solveLast(rhs);
+  else if (problem_.shared_) x = problem_.shared_->solve(rhs);
   else problem_.factor_->solve(rhs, x);
-  Eigen::VectorXd a = Eigen::VectorXd::Zero(eliminated_.rows());
+  Eigen::VectorXd a = Eigen::VectorXd::Zero(total_.size());
   for (Eigen::Index i = 0; i < n; ++i) a[unknown(i)] = x(i, 0);
   return a;
 }
@@ -265,18 +344,22 @@ Eigen::VectorXd CoarseProblem::Series::last(const CoarseProblem& fixedAlone, con
   Eigen::MatrixXd b = placement.sum(Eigen::VectorXd(changing - first_));
   Eigen::MatrixXd a(mine_.size(), 1);
   if (placement.holds()) {
-    b = problem_.padded(std::move(b));
-    const CoarseSchurFactor& factor = *fixedAlone.condensed_;
-    const CoarseSchur& fixed = *factor.schur();
-    const Eigen::Index n = factor.schurSize();
-    for (Eigen::Index i = b.rows() - n; i < b.rows(); ++i) eliminated_(i, 0) += b(fixed.order()[std::size_t(i)], 0);
-    factor.solveSchur(eliminated_.bottomRows(n));
-    a = fixed.substituteBack(eliminated_);
+    a = substituteBack(fixedAlone, problem_.padded(std::move(b)));
     a.conservativeResize(mine_.size(), Eigen::NoChange);
   }
   placement.broadcast(a);
-  fixedAlone.count(1);
+  fixedAlone.count(1, double(fixedAlone.factorEntries()));
   return a;
+}
+
+Eigen::MatrixXd CoarseProblem::Series::substituteBack(const CoarseProblem& fixedAlone, const Eigen::MatrixXd& more) {
+  const CoarseSchurFactor* condensed = fixedAlone.condensed_.get();
+  const Eigen::Index n = condensed ? condensed->schurSize() : eliminated_.rows();
+  auto rhs = eliminated_.bottomRows(n);
+  for (Eigen::Index i = 0; i < n; ++i) rhs(i, 0) += more(unknown(i), 0);
+  if (shared_) return fixedAlone.shared_->tree()->substituteBack(shared_->rhs, fixedAlone.shared_->solveLast(rhs));
+  condensed->solveSchur(rhs);
+  return condensed->schur()->substituteBack(eliminated_);
 }
 
 }  // namespace Haptos

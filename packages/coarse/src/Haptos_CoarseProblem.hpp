@@ -13,10 +13,12 @@
 namespace Haptos {
 
 class CoarseSchurFactor;
+class CoarseTreeFactor;
 
 /// \brief The matrix A = sum over ranks of C^T diag(q) C, with C = G^T on this rank's rows, and its sparse factor.
 ///
-/// Unknowns are taken in sixes, the motions of most subdomains; any l will do.  Assembly is distributed (CoarseBlocks); all holders of a factor (CoarsePlacement) have the same digits.
+/// Unknowns are taken in sixes, the motions of most subdomains; any l will do.  Assembly is distributed (CoarseBlocks); all holders of a factor
+/// (CoarsePlacement) have the same digits, or all ranks share one (CoarseTree).
 class CoarseProblem {
  public:
   /// \brief Coarse vectors w [l x k]: w w^T, scaled to A, is added to hold motions that nothing else holds.
@@ -65,6 +67,8 @@ class CoarseProblem {
   /// is known.  All b_k are the first one up to what changing rows add: a condensed factor eliminates the others for the
   /// first only, which saves most of the following solves.
   class Series {
+    struct SharedElimination;
+
    public:
     /// \param problem is kept by reference and must not be renewed.
     /// \param mine [l] this rank's part of b_k that stays the same
@@ -77,12 +81,18 @@ class CoarseProblem {
     Eigen::VectorXd last(const CoarseProblem& fixedAlone, const Eigen::VectorXd& changing);
 
    private:
+    Eigen::VectorXd addChanging(Eigen::VectorXd changing) const;
+    void eliminate(const Eigen::MatrixXd& b);
+    int unknown(Eigen::Index row) const;
+    double entriesOfNext(bool isFirst) const;
     Eigen::VectorXd solveForRest(const Eigen::VectorXd& more);
+    Eigen::MatrixXd substituteBack(const CoarseProblem& fixedAlone, const Eigen::MatrixXd& more);
 
     const CoarseProblem& problem_;
     Eigen::VectorXd mine_, first_;  // b_k that stays; the first b_k's other part
     // On the holders, where the problem is condensed in the changing unknowns (places), else in all:
-    Eigen::MatrixXd eliminated_;    // of the first b_k, or that itself [l]
+    Eigen::MatrixXd eliminated_;    // of the first b_k, or that itself [l]; where ranks share a factor, in places alone
+    std::shared_ptr<const SharedElimination> shared_;  // the rest of it then
     Eigen::VectorXd solvedFor_;     // sum of the right-hand sides so far [places]
     Eigen::VectorXd total_;         // of the a_k [l]
   };
@@ -92,7 +102,10 @@ class CoarseProblem {
 
  private:
   Eigen::MatrixXd solveOnHolders(const Eigen::MatrixXd& b, Eigen::Index rows, Eigen::Index columns) const;
-  void count(Eigen::Index columns) const;
+  void count(Eigen::Index columns, double entries) const;
+  std::size_t factorEntries() const;
+  double largestDiagonalWith(const CoarseBlocks& first) const;
+  void countBlocks(const CoarseBlocks& first) const;
   CoarseBlocks sumUp(const Weighted& part) const;
   Eigen::Index paddedSize() const;
   Eigen::MatrixXd padded(Eigen::MatrixXd b) const;
@@ -100,10 +113,11 @@ class CoarseProblem {
   void factor(CoarseBlocks changing);
   void factorWhole();
   void factorCondensed();
+  void factorShared();
 
   Placement placement_;
   Eigen::Index size_;  // l
-  std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_
+  std::shared_ptr<const CoarseBlocks> fixed_;  // on the holders, as is held_; or parts of both on all ranks
   CoarseBlocks held_;
   CoarseBlocks changingBlocks_;  // of today, on the holders
   CoarseMatrix matrix_;          // where nothing is condensed
@@ -111,8 +125,9 @@ class CoarseProblem {
   bool condenses_ = false;       // on all ranks
   FactorPrecision precision_ = FactorPrecision::Double;  // of what changes
   std::vector<int> changing_;    // subdomains to condense to, on the holders
-  std::unique_ptr<LocalSolverFactor> factor_;  // one of the two, null where this rank holds none
+  std::unique_ptr<LocalSolverFactor> factor_;  // one of the three, null where this rank holds none
   std::unique_ptr<CoarseSchurFactor> condensed_;
+  std::unique_ptr<CoarseTreeFactor> shared_;
   mutable long solves_ = 0;
 };
 

@@ -217,7 +217,17 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
   throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(status));
 }
 
+// A column with n entries below its diagonal changes n (n + 1) / 2 entries.
+double multiplicationsOf(const SupernodeView& L) {
+  double sum = 0;
+  for (int k = 0; k < L.supernodes; ++k)
+    for (int j = L.super[k], n = L.pi[k + 1] - L.pi[k]; j < L.super[k + 1]; ++j, --n) sum += 0.5 * n * (n + 1.0);
+  return sum;
+}
+
 }  // namespace
+
+bool CoarseSchur::isPossible() { return true; }
 
 // Dense in c against sparse in all, by entries; with more than a third in c little is left to be eliminated.
 bool CoarseSchur::pays(Eigen::Index unknowns, Eigen::Index last) {
@@ -243,11 +253,13 @@ void CoarseSchur::eliminateOthers(const Parts& A, const std::vector<int>& last) 
   const SupernodeView L{int(size_), int(super.size()) - 1, super.data(), ints((*factor).pi), ints((*factor).px), ints((*factor).s),
                         perm_.data(), static_cast<const double*>((*factor).x)};
   others_ = SupernodalFactor<double>(L);
+  flops_ = multiplicationsOf(L);
   subtractFromSchur(L, schur);
   schur_ = Lapack::packLower(schur);
 }
 #else
-// Dense in c against sparse in all, by entries; with more than a third in c little is left to be eliminated.
+bool CoarseSchur::isPossible() { return false; }
+
 bool CoarseSchur::pays(Eigen::Index, Eigen::Index) { return false; }
 
 void CoarseSchur::eliminateOthers(const Parts&, const std::vector<int>&) {

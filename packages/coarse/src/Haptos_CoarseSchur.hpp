@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 #include "Haptos_CoarseBlocks.hpp"
@@ -13,6 +14,7 @@ namespace Haptos {
 /// What is left of A in those, the Schur complement S, is dense.  CHOLMOD eliminates, sparse.  No function communicates.
 class CoarseSchur {
  public:
+  static bool isPossible();  ///< CHOLMOD is there
   /// \brief Whether dense factors of what is left are cheaper than sparse ones of all, by size; false without CHOLMOD.
   ///
   /// Few enough of them, or fewer entries than a sparse factor has.  \param unknowns of A, \param last that are not eliminated.
@@ -31,12 +33,14 @@ class CoarseSchur {
 
   Eigen::Index numLast() const { return size_ - numOthers_; }   ///< unknowns that are not eliminated
   const std::vector<double>& packedSchur() const { return schur_; }  ///< S, lower triangle, packed (Lapack::packLower)
+  std::vector<double> takeSchur() { return std::move(schur_); }      ///< the same, for who keeps it elsewhere
   /// \brief Adds blocks of the last subdomains to the lower triangle of a matrix like S; others are left out.
   void addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) const;
   bool isLast(int subdomain) const { return place_[std::size_t(subdomain)] >= 0; }
 
   const std::vector<int>& order() const { return perm_; }  ///< [l] unknown of every row of `eliminate`
   std::size_t entries() const { return others_.entries() + std::size_t(schur_.size()); }
+  double flops() const { return flops_; }  ///< multiplications of the elimination
 
  private:
   void eliminateOthers(const Parts& A, const std::vector<int>& last);
@@ -48,6 +52,7 @@ class CoarseSchur {
   std::vector<int> perm_;
   SupernodalFactor<double> others_;  // L's columns of the others; nothing if there are none
   std::vector<double> schur_;
+  double flops_ = 0;
 };
 
 }  // namespace Haptos

@@ -26,7 +26,11 @@ std::vector<Case> allCases(int ranks) {
           {"every rank, as groups of one", {0, 1}, ranks},
           {"groups of two", {0, 2}, (ranks + 1) / 2},
           {"groups of three", {0, 3}, (ranks + 2) / 3},
-          {"one a node", {0, 0}, 1}};  // all ranks of a test share one memory
+          {"shared by all", {0, 0}, 1}};  // without CHOLMOD one a node: all ranks of a test share one memory
+}
+
+bool ranksShare(const Case& c, const Communicator& comm) {
+  return hasCholmod() && comm.getSize() > 1 && c.options.replicatedUpTo == 0 && c.options.ranksPerFactor == 0;
 }
 
 struct Model {
@@ -98,6 +102,35 @@ bool isSmall(const Dense& error, const Dense& wanted, double tolerance = 1e-11) 
 
 }  // namespace
 
+// Boxes of subdomains, each coupled to all that touch it; rows between those of the lowest layer change.
+struct Lattice {
+  static constexpr int kLong = 10, kWide = 4, kHigh = 4, kSubdomains = kLong * kWide * kHigh;
+  CoarseRows fixed{0, 6 * kSubdomains}, changing{fixed};
+
+  Lattice() {
+    const RCP<const Communicator> comm = Tpetra::getDefaultComm();
+    std::vector<Eigen::Triplet<double>> stays, changes;
+    int row = 0;
+    for (int s = 0; s < kSubdomains; ++s)
+      for (int t = 0; t <= s; ++t) {
+        if (std::abs(s / 16 - t / 16) > 1 || std::abs(s / 4 % 4 - t / 4 % 4) > 1 || std::abs(s % 4 - t % 4) > 1) continue;
+        for (int k = 0; k < 6; ++k, ++row) {
+          if (row % comm->getSize() != comm->getRank()) continue;
+          for (int j = 0; j < 6; ++j) {
+            const double value = std::sin(1.7 * (row + 1) * (j + 1)) + (s == t && j == k ? 6 : 0);
+            auto& list = s % 4 == 0 && t % 4 == 0 && s != t ? changes : stays;
+            list.emplace_back(row, 6 * s + j, value);
+            if (s != t) list.emplace_back(row, 6 * t + j, 0.9 * value - 0.2);
+          }
+        }
+      }
+    fixed.resize(row, 6 * kSubdomains);
+    changing.resize(row, 6 * kSubdomains);
+    fixed.setFromTriplets(stays.begin(), stays.end());
+    changing.setFromTriplets(changes.begin(), changes.end());
+  }
+};
+
 // Whole subdomains, parts of one, and six columns across two.
 TEUCHOS_UNIT_TEST(CoarseRows, ProductsAreThoseOfDenseMatrices) {
   Dense D = someColumns(5, 18);
@@ -124,7 +157,8 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SameAnswerWhereverTheFactorLives) {
     const auto placement = m.place(c.options);
     const CoarseProblem A(placement, m.feti.G->rows(), m.q, {});
     TEST_EQUALITY(placement->numHolders(), c.holders);
-    TEST_EQUALITY(placement->costs().factorEntries > 0, placement->holds());
+    TEST_EQUALITY(placement->isShared(), ranksShare(c, comm));
+    if (!placement->isShared()) TEST_EQUALITY(placement->costs().factorEntries > 0, placement->holds());
     const double roundOff = 1e-12 * largest(wanted);
     TEST_ASSERT(largest(A.solve(b) - wanted) <= roundOff);
     TEST_ASSERT(largest(A.solveSum(partOf(b, comm)) - wanted) <= roundOff);
@@ -148,12 +182,12 @@ TEUCHOS_UNIT_TEST(CoarseProblem, NextMatrixLiesOnAnotherRank) {
     int inOneGroup = comm.getSize();  // ranks that hold both, and must be alone in their groups
     const int both = first->holds() && second->holds();
     Teuchos::reduceAll(comm, Teuchos::REDUCE_SUM, both, Teuchos::outArg(inOneGroup));
-    if (c.options.replicatedUpTo == 0 && c.options.ranksPerFactor != 1)
+    if (!first->isReplicated() && !first->isShared())
       TEST_EQUALITY(inOneGroup, int(comm.getSize() == 1 || (c.options.ranksPerFactor > 1 && comm.getSize() % c.options.ranksPerFactor == 1)));
     const CoarseProblem A(second, m.feti.G->rows(), m.q, {});
     TEST_ASSERT(largest(A.solveSum(partOf(b, comm)) - wanted) <= 1e-12 * largest(wanted));
     TEST_EQUALITY(first->costs().setUps, 1L);
-    TEST_EQUALITY(first->costs().factorEntries > 0, second->holds());
+    if (!first->isShared()) TEST_EQUALITY(first->costs().factorEntries > 0, second->holds());
     TEST_THROW(CoarseProblem(second, nothing, m.q, {}), std::runtime_error);
   }
 }
@@ -207,6 +241,31 @@ TEUCHOS_UNIT_TEST(CoarseProblem, ThousandsOfSubdomainsAreEliminated) {
     // a chain hardly fills in
     if (placement->holds()) TEST_COMPARE(placement->costs().factorEntries, <, std::size_t(6 * 18 * 2 * 1500));
   }
+}
+
+// The factor that ranks share: right for a matrix whose parts meet in planes, edges and corners; no rank has most of it.
+TEUCHOS_UNIT_TEST(CoarseProblem, SharedFactorIsRightAndSpread) {
+  const Lattice lattice;
+  const auto comm = Tpetra::getDefaultComm();
+  const Eigen::Index l = lattice.fixed.cols();
+  const std::vector<double> ones(std::size_t(lattice.fixed.rows()), 1.0);
+  const Dense b = someColumns(l, 2), F = denseGram(lattice.fixed, ones), E = denseGram(lattice.changing, ones);
+  const auto placement = std::make_shared<CoarsePlacement>(comm, l, CoarseOptions{0, 0});
+  CoarseProblem A(placement, {lattice.fixed, ones}, {lattice.changing, ones}, {}, CoarseProblem::Factor::Now);
+  const Dense wanted = (F + E).llt().solve(b);
+  TEST_ASSERT(isSmall(A.solve(b) - wanted, wanted));
+  A.renew({3.0 * lattice.changing, ones});
+  const Dense renewed = (F + 9 * E).llt().solve(b);
+  TEST_ASSERT(isSmall(A.solve(b) - renewed, renewed));
+  const Dense alone = F.llt().solve(b);
+  TEST_ASSERT(isSmall(CoarseProblem(A, {}).solve(b) - alone, alone));
+  if (!placement->isShared()) return;
+  const CoarseCosts& costs = placement->costs();
+  const double mine[3] = {costs.flops, double(costs.factorEntries), costs.entriesRead};
+  double most[3], all[3];
+  Teuchos::reduceAll(*comm, Teuchos::REDUCE_MAX, 3, mine, most);
+  Teuchos::reduceAll(*comm, Teuchos::REDUCE_SUM, 3, mine, all);
+  for (int i = 0; i < 3; ++i) TEST_COMPARE(most[i], <=, 1.35 * all[i] / comm->getSize());
 }
 
 // Condensed where few subdomains change, whole where all do.
@@ -276,7 +335,7 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RoughRenewalsHaveSomeDigits) {
       A.renew({chain.changing, chain.q});
       const Dense error = A.solve(b) - wanted;
       TEST_ASSERT(isSmall(error, wanted, 1e-3));
-      const bool isSingle = hasCholmod() && touched < Chain::kSubdomains;
+      const bool isSingle = hasCholmod() && touched < Chain::kSubdomains && !ranksShare(c, *chain.comm);
       TEST_EQUALITY(largest(error) > 1e-10 * largest(wanted), isSingle);
       const CoarseProblem fixedAlone(A, {});  // in double all the same
       TEST_ASSERT(isSmall(denseGram(chain.fixed, chain.q) * fixedAlone.solve(b) - b, b, 1e-10));

@@ -42,10 +42,16 @@ struct SolverReport {
 /// \brief The coarse matrices of a run: G G^T and those of the method.  Largest of the ranks; calls are those of rank 0.
 struct CoarseReport {
   long unknowns = 0;            ///< of one matrix
-  int factors = 0;              ///< ranks that hold one
+  int factors = 0;              ///< ranks that hold one; 1 where all ranks share it
   long setUps = 0, solves = 0;  ///< matrices made, right-hand sides
   long blocks = 0;              ///< 6 x 6, lower triangle, of G G^T
-  long long factorEntries = 0;  ///< of the largest factor
+  /// \brief Of the busiest rank, and of all together.
+  struct Work {
+    double most = 0, all = 0;
+  };
+  Work factorEntries;  ///< of the largest factor or share of one
+  Work flops;          ///< multiplications in factors; 0 where nothing is condensed or shared
+  Work entriesRead;    ///< of factors in all solves
   double setUpSeconds = 0, solveSeconds = 0;
   long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
   long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;

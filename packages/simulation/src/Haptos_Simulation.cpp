@@ -54,12 +54,13 @@ std::string discretizationOf(const ModelData& data) {
   return std::size_t(mortar) == data.isMortar.size() ? name : nameOf(Discretization::NodeToNode) + (", " + name);
 }
 
-// The largest of the ranks in one reduction, as holders and others do not do the same.
+// The largest of the ranks, and sums, in one reduction each, as holders and others do not do the same.
 CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   const CoarseCosts& c = placement.costs();
-  const std::array<double, 7> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
-                                      c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks)};
-  const auto largest = largestOfAll(placement.comm(), mine);
+  const std::array<double, 9> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
+                                      c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks),
+                                      c.flops, c.entriesRead};
+  const auto largest = largestOfAll(placement.comm(), mine), sum = sumOfAll(placement.comm(), mine);
   CoarseReport report;
   report.unknowns = unknowns;
   report.factors = placement.numHolders();
@@ -67,7 +68,9 @@ CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   report.solves = c.solves;
   report.setUpReductions = c.setUpSent.reductions;
   report.solveReductions = c.solveSent.reductions;
-  report.factorEntries = (long long)(largest[0]);
+  report.factorEntries = {largest[0], sum[0]};
+  report.flops = {largest[7], sum[7]};
+  report.entriesRead = {largest[8], sum[8]};
   report.setUpBytes = (long long)(largest[1]);
   report.solveBytes = (long long)(largest[2]);
   report.setUpSeconds = largest[3];
