@@ -4,6 +4,7 @@
 k subdomains and k p elements along the short edge, 2 k along the long one, two bodies: s = 4 k^3 subdomains.
 """
 import itertools
+import math
 
 
 def subdomains(k):
@@ -109,6 +110,25 @@ def jump_traffic(k, p, ranks):
     return forward, transposed
 
 
+def shared_factor(coarse, ranks):
+    """What a solve with a factor that all ranks share sends at most, in how many reductions, and how much of the work the busiest rank has."""
+    depth = math.ceil(math.log2(ranks))
+    rows = [("bytes of the coarse solves <=", coarse["solves"] * 16 * (coarse["unknowns"] + coarse["between"] + coarse["last"]), coarse["solve_bytes"]),
+            ("reductions of the coarse solves <=", coarse["solves"] * (2 * depth + 4), coarse["solve_reductions"])]
+    if coarse["unknowns"] < 6 * EVEN_FROM * ranks:
+        return rows
+    return rows + [(f"{text}, most of a rank <=", int(busiest_share(ranks) * coarse[name + "_all"]), int(coarse[name]))
+                   for name, text in (("flops", "multiplications in coarse factors"), ("entries_read", "coarse entries read"))]
+
+
+EVEN_FROM = 16  # subdomains a rank
+
+
+def busiest_share(ranks):
+    """Of the work of all ranks, where each has some tens of subdomains: an even share, and as much again at most."""
+    return min(1.0, 2 / ranks) if ranks > 2 else 0.6
+
+
 def compare(summary, k, p):
     """[(quantity, formula, measured)] of one run; every pair must be equal, except bounds (names that end in '<=')."""
     ranks, coarse = summary["haptos"]["ranks"], summary["coarse"]
@@ -120,6 +140,8 @@ def compare(summary, k, p):
     if coarse["factors"] == ranks:
         per_solve = 8 * coarse_unknowns(k) if ranks > 1 else 0
         rows.append(("bytes of the coarse solves", per_solve * coarse["solve_reductions"], coarse["solve_bytes"]))
+    else:
+        rows += shared_factor(coarse, ranks)
     forward, transposed = jump_traffic(k, p, ranks)
     for name, expected, block in (("B", forward, "jump"), ("B^T", transposed, "jump_transposed")):
         measured = summary["communication"][block]

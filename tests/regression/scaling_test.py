@@ -54,6 +54,14 @@ class Scaling(unittest.TestCase):
         bytes_of_B = [int(r["measured"]) for r in formulas if r["quantity"] == "bytes of B, all ranks"]
         self.assertEqual([number > 0 for number in bytes_of_B], [False, True, True])
 
+    def test_a_shared_coarse_factor_keeps_to_its_formulas(self):
+        done = self.run_driver("--cell", 4, 1, 8, "--set", "Coarse Problem->Replicated Up To=0", "--folder", self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        formulas = {row["quantity"]: row for row in self.rows("scaling_formulas.csv")}
+        self.assertEqual({row["agrees"] for row in formulas.values()}, {"yes"}, done.stdout)
+        for quantity in ("bytes of the coarse solves <=", "reductions of the coarse solves <=", "coarse entries read, most of a rank <="):
+            self.assertGreater(int(formulas[quantity]["measured"]), 0)
+
     def test_a_wrong_count_is_seen(self):
         path = self.folder / "summary.json"
         done = run_haptos([haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=1",

@@ -24,7 +24,7 @@ KEYS = {
                                        "write", "total")},
     "memory": {"peak_rss_mb": list},
     "coarse": {"unknowns": COUNT, "factors": COUNT, "blocks": COUNT, "factor_entries": COUNT, "factor_entries_all": COUNT,
-               "flops": NUMBER, "flops_all": NUMBER, "entries_read": NUMBER, "entries_read_all": NUMBER, "set_ups": COUNT,
+               "between": COUNT, "last": COUNT, "flops": NUMBER, "flops_all": NUMBER, "entries_read": NUMBER, "entries_read_all": NUMBER, "set_ups": COUNT,
                "set_up_seconds": NUMBER, "solves": COUNT, "solve_seconds": NUMBER, "solve_bytes": COUNT},
     "communication": {name: list for name in ("reductions", "other_collectives", "messages", "message_bytes",
                                               "collective_bytes", "bytes_sent")}

@@ -54,7 +54,7 @@ struct PreconditionerOptions {
 
 /// \brief Where the factor of a coarse matrix lives.
 struct CoarseOptions {
-  int replicatedUpTo = 6000;  ///< coarse unknowns up to which every rank has a factor
+  int replicatedUpTo = 1500;  ///< coarse unknowns up to which every rank has a factor
   int ranksPerFactor = 0;     ///< beyond it: ranks in whose name one holds a factor; 0: all ranks share one
 
   static const OptionTable<CoarseOptions>& table();

@@ -19,6 +19,8 @@ struct CoarseCosts {
   std::size_t factorEntries = 0;  ///< the largest factor, or share of one, on this rank; 0 if it never held one
   double flops = 0;               ///< multiplications in factors on this rank, where matrices are condensed
   double entriesRead = 0;         ///< of factors in all solves on this rank, each half counted
+  long between = 0;               ///< unknowns that groups with this rank eliminate in the first shared matrix; 0 if none
+  long last = 0;                  ///< and those that all eliminate last
 };
 
 /// \brief A range of ranks, halved as long as there are two.

@@ -203,7 +203,10 @@ void CoarseProblem::factorShared() {
   if (!shared_ || !condenses_) {
     shared_ = std::make_unique<CoarseTreeFactor>(
         std::make_shared<const CoarseTree>(*placement_, paddedSize(), parts, condenses_ ? changing_ : std::vector<int>{}));
-    placement_->costs().flops += shared_->tree()->flops();
+    CoarseCosts& costs = placement_->costs();
+    costs.flops += shared_->tree()->flops();
+    costs.between = std::max(costs.between, shared_->tree()->between());
+    costs.last = std::max(costs.last, kModes * long(shared_->tree()->last().pivots().size()));
   }
   shared_->renew(condenses_ ? changingBlocks_ : CoarseBlocks());
   placement_->costs().flops += shared_->flops();

@@ -214,6 +214,12 @@ std::size_t CoarseTree::entries() const {
   return sum;
 }
 
+long CoarseTree::between() const {
+  long sum = 0;
+  for (const auto& front : fronts_) sum += kModes * long(front.pivots().size());
+  return sum;
+}
+
 double CoarseTree::flops() const {
   double sum = own_->flops();
   for (const auto& front : fronts_) sum += front.flops();

@@ -63,6 +63,7 @@ class CoarseTree {
 
   const CoarseFront& last() const { return last_; }  ///< S, not factored
   std::size_t entries() const;                       ///< on this rank
+  long between() const;                              ///< unknowns that groups with this rank eliminate
   double flops() const;                              ///< multiplications on this rank
 
  private:

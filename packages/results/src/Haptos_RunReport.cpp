@@ -101,6 +101,8 @@ Json coarseBlock(const CoarseReport& coarse) {
           {"factor_entries_all", (long long)(coarse.factorEntries.all)},
           {"flops", coarse.flops.most},
           {"flops_all", coarse.flops.all},
+          {"between", coarse.between},
+          {"last", coarse.last},
           {"entries_read", coarse.entriesRead.most},
           {"entries_read_all", coarse.entriesRead.all},
           {"set_ups", coarse.setUps},

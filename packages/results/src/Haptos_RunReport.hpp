@@ -52,6 +52,7 @@ struct CoarseReport {
   Work factorEntries;  ///< of the largest factor or share of one
   Work flops;          ///< multiplications in factors; 0 where nothing is condensed or shared
   Work entriesRead;    ///< of factors in all solves
+  long between = 0, last = 0;  ///< unknowns that groups of one rank eliminate, the most of any; all ranks, last: 0 where nothing is shared
   double setUpSeconds = 0, solveSeconds = 0;
   long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
   long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;

@@ -57,9 +57,9 @@ std::string discretizationOf(const ModelData& data) {
 // The largest of the ranks, and sums, in one reduction each, as holders and others do not do the same.
 CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   const CoarseCosts& c = placement.costs();
-  const std::array<double, 9> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
+  const std::array<double, 11> mine = {double(c.factorEntries), double(c.setUpSent.bytesSent()), double(c.solveSent.bytesSent()),
                                       c.setUpSeconds, c.solveSeconds, double(c.setUpSent.messageBytes), double(c.blocks),
-                                      c.flops, c.entriesRead};
+                                      c.flops, c.entriesRead, double(c.between), double(c.last)};
   const auto largest = largestOfAll(placement.comm(), mine), sum = sumOfAll(placement.comm(), mine);
   CoarseReport report;
   report.unknowns = unknowns;
@@ -71,6 +71,8 @@ CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   report.factorEntries = {largest[0], sum[0]};
   report.flops = {largest[7], sum[7]};
   report.entriesRead = {largest[8], sum[8]};
+  report.between = long(largest[9]);
+  report.last = long(largest[10]);
   report.setUpBytes = (long long)(largest[1]);
   report.solveBytes = (long long)(largest[2]);
   report.setUpSeconds = largest[3];
