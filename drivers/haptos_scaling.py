@@ -11,7 +11,7 @@ Studies (all without --study):
   ranks-weak         about 32 subdomains a rank
   subdomains-strong  one mesh in more and more subdomains, one rank
   subdomains-weak    more and more subdomains of the same size, one rank
-  formulas           1 to 16 ranks: messages, bytes and the coarse problem against the formulas of doc/scaling.md
+  formulas           1 to 64 ranks: messages, bytes and the coarse problem against the formulas of doc/scaling.md
 
 Prints a table and writes scaling.csv (and scaling_formulas.csv) to the folder; --draw adds scaling.svg (needs matplotlib).
 Ranks beyond the processors are marked with *: their seconds mean nothing; their counts, bytes and memory do.
@@ -44,7 +44,7 @@ STUDIES = {  # (k, p, ranks)
     "ranks-weak": [(2, 3, 1), (3, 3, 3), (4, 3, 8), (5, 3, 16)],
     "subdomains-strong": [(k, 12 // k, 1) for k in (1, 2, 3, 4, 6)],
     "subdomains-weak": [(k, 4, 1) for k in (1, 2, 3, 4, 5, 6)],
-    "formulas": [(2, 2, r) for r in (1, 2, 3, 4)] + [(4, 2, r) for r in (1, 2, 4, 8, 16)],
+    "formulas": [(2, 2, r) for r in (1, 2, 3, 4)] + [(4, 2, r) for r in (1, 2, 4, 8, 16, 32, 64)],
 }
 QUICK = {"ranks-strong": [(1, 2, r) for r in (1, 2)], "ranks-weak": [(1, 2, 1), (2, 2, 3)],
          "subdomains-strong": [(1, 4, 1), (2, 2, 1)], "subdomains-weak": [(1, 2, 1), (2, 2, 1)],
