@@ -5,6 +5,7 @@
 #include <cmath>
 #include <string>
 
+#include "Haptos_CellMesh.hpp"
 #include "ScenarioBuilder.hpp"
 
 namespace {
@@ -18,6 +19,8 @@ constexpr double kPressure = 109.89, kE = 1e6, kNu = 0.3;
 struct Patch {
   std::array<int, 3> lower{4, 4, 3}, upper{5, 5, 3};
   Topology lowerTopology = Topology::Hex8, upperTopology = Topology::Hex8;
+  Cell lowerCell = Cell::Hexahedron, upperCell = Cell::Hexahedron;  ///< of Hex8
+  ElementOrder order = ElementOrder::Linear;
   std::array<double, 2> lowerEnd{1, 1}, upperEnd{1, 1};  ///< both begin at 0, 0
   double lowerDistortion = 0, upperDistortion = 0;       ///< of the element size
   int subdomains = 4;
@@ -60,7 +63,11 @@ Mesh patchMesh(const Patch& patch) {
   upper.topology = patch.upperTopology;
   upper.sideSetNames = {"x-", "", "y-", "", "upper_contact", "top"};
   upper.map = distorted(upper, patch.upperDistortion);
-  return makeBoxes({lower, upper});
+  const Mesh mesh = makeBoxes({lower, upper});
+  if (patch.order == ElementOrder::Linear && patch.lowerCell == Cell::Hexahedron && patch.upperCell == Cell::Hexahedron) return mesh;
+  std::vector<Cell> cells(mesh.numElements(), patch.upperCell);
+  std::fill_n(cells.begin(), mesh.blocks[0].numElements(), patch.lowerCell);
+  return withCells(mesh, cells, patch.order);
 }
 
 // Integral of the hat function at x, on cells of size h within [0, end], over [0, cut].
@@ -137,6 +144,24 @@ TEUCHOS_UNIT_TEST(Mortar, patch_of_bricks_and_tetrahedra) {
       patch.upperTopology = upper;
       patch.lowerDistortion = lower == Topology::Hex8 ? 0.25 : 0.1;
       patch.upperDistortion = upper == Topology::Hex8 ? 0.25 : 0.1;
+      checkPatch(patch, out, success);
+    }
+}
+
+TEUCHOS_UNIT_TEST(Mortar, patch_of_other_cells_and_quadratic_elements) {
+  const std::vector<std::array<Cell, 2>> bodies = {{Cell::Hexahedron, Cell::Hexahedron}, {Cell::Hexahedron, Cell::Tetrahedra},
+                                                   {Cell::Tetrahedra, Cell::Tetrahedra}, {Cell::Wedges, Cell::Pyramids}};
+  for (const ElementOrder order : {ElementOrder::Linear, ElementOrder::Quadratic, ElementOrder::FullQuadratic})
+    for (const auto& [lower, upper] : bodies) {
+      const bool isWhole = lower == Cell::Hexahedron && upper == Cell::Hexahedron;
+      if (isWhole ? order == ElementOrder::Linear : order == ElementOrder::FullQuadratic) continue;
+      Patch patch;
+      patch.lower = {2, 2, 1};
+      patch.upper = {3, 3, 1};
+      patch.lowerCell = lower;
+      patch.upperCell = upper;
+      patch.order = order;
+      patch.lowerDistortion = patch.upperDistortion = 0.1;
       checkPatch(patch, out, success);
     }
 }
