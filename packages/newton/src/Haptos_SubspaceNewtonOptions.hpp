@@ -113,7 +113,7 @@ struct SubspaceNewtonOptions {
     double armijo = 1e-4;
     double linearTolerance = 1e-3; ///< of a Newton step, 20 to 30 products
     int linearSteps = 150;         ///< a bound
-    /// The path of interior points: 20 to 27 steps from no start to 1e-7, at axis ratios of 1 to 1e6.
+    /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.
     int pathSteps = 40;
     /// Its matrices add up to 1e6 times M to some rows: 1e-2 lost the path, 1e-4 the last digits.
     double pathLinearTolerance = 1e-6;
