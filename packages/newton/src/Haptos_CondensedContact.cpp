@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CondensedContact.hpp"
 
+#include <Teuchos_RCP.hpp>
+#include <Tpetra_Operator.hpp>
 #include <cmath>
 
 #include "Haptos_ConePath.hpp"
