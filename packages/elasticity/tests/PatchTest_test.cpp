@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/SparseCholesky>
 #include <Eigen/LU>
+#include <Eigen/SparseCholesky>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
 #include <map>
