@@ -92,6 +92,7 @@ Bytes scatterFromRoot(const Communicator& comm, const std::vector<Bytes>& messag
 
 // All of them are there at once: not for what grows with the mesh (`passToRoot`).
 std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, int root) {
+  if (comm.getSize() == 1) return {message};  // MPI need not have begun
   const MPI_Comm raw = rawComm(comm);
   const int ranks = comm.getSize();
   std::vector<std::uint64_t> sizes(ranks);
@@ -115,6 +116,7 @@ std::vector<Bytes> gatherOnRoot(const Communicator& comm, const Bytes& message, 
 }
 
 std::vector<Bytes> gatherOnAll(const Communicator& comm, const Bytes& message) {
+  if (comm.getSize() == 1) return {message};
   const MPI_Comm raw = rawComm(comm);
   const int ranks = comm.getSize();
   std::vector<std::uint64_t> sizes(ranks);
