@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Exit statuses 0, 2 and 3: what is solved, what is not converged, what has no solution."""
 import json
-import re
 
 import haptos_runs
 from haptos_runs import INPUTS, SceneTest, displacement, run_haptos, stack
@@ -139,16 +138,13 @@ class Solved(SceneTest):
         self.assertGreater(forces[0], 0.1)
         self.assertAlmostEqual(forces[1], forces[0], places=9)
 
-    def test_methods_relieve_each_other(self):
-        """Axis ratios of 3000 with few pairs: Subspace Newton stalls, SMALSE brings it on its way again."""
+    def test_axis_ratios_of_thousands_with_few_pairs(self):
+        """Subspace Newton alone, where it once stalled and SMALSE had to bring it on its way again."""
         for coefficients in ("{0.3,1e-4}", "{3.0,1e-3}"):
             for ranks in RANKS:
                 summary = two_beams(self, ranks, Contact__interface__Friction__Coefficients=coefficients, Solver__Maximum_Recycled_Pairs=20)
-                parts = re.findall(r"(Subspace Newton|SMALSE) \((\d+)\)", summary["solver"]["method"])
-                self.assertGreaterEqual(len(parts), 2, summary["solver"]["method"])
-                self.assertTrue(all(a[0] != b[0] for a, b in zip(parts, parts[1:])), parts)
-                self.assertLessEqual(sum(int(count) for _, count in parts), summary["solver"]["hessian_multiplications"])
-                self.assertLessEqual(summary["solver"]["hessian_multiplications"], 1500)
+                self.assertEqual(summary["solver"]["method"], "Subspace Newton")
+                self.assertLessEqual(summary["solver"]["hessian_multiplications"], 40)
                 self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
 
     def test_smalse_as_published(self):
@@ -241,7 +237,7 @@ class NotConverged(SceneTest):
             self.assertLessEqual(self.summary()["accuracy"]["kkt"], 1e-10)
 
     def test_friction_is_named(self):
-        scene = stack(Solver={"Method": "Subspace Newton", "Maximum Hessian Multiplications": 8})
+        scene = stack(Solver={"Method": "Subspace Newton", "Maximum Hessian Multiplications": 3})
         scene["Contact"]["joint"]["Friction"]["Coefficients"] = [0.3, 0.0003]
         self.assertEqual(self.run_scene(scene).status, 2)
         reason = self.summary()["solver"]["reason"]
