@@ -98,6 +98,15 @@ void finish(Entries& entries, double w) {
   entries = std::move(merged);
 }
 
+// The least barred of those corners that are not taken, of these the one with the largest integral d; -1: all are taken.
+int bestCorner(const SurfaceFace& face, const Eigen::VectorXd& d, const std::vector<Bar>& bars) {
+  const auto barOf = [&](int i) { return bars[std::size_t(face.nodes[std::size_t(i)])]; };
+  int best = -1;
+  for (int i = 0; i < int(d.size()); ++i)
+    if (barOf(i) != Bar::Taken && (best < 0 || barOf(i) < barOf(best) || (barOf(i) == barOf(best) && d[i] > d[best]))) best = i;
+  return best;
+}
+
 }  // namespace
 
 MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const SurfaceOverlap& overlap, const std::vector<Bar>& bars,
@@ -116,11 +125,7 @@ MultiplierNodes chooseMultipliers(const ContactSurface& secondary, const Surface
   for (std::size_t f = 0; f < secondary.faces.size(); ++f) {
     const SurfaceFace& face = secondary.faces[f];
     if (!(overlap.faces[f].area > 0) || !keptCorners(face, result.isKept).empty()) continue;
-    const Eigen::VectorXd d = cornerFunctions(face.size) * overlap.faces[f].d;
-    int best = -1;
-    const auto barOf = [&](int i) { return bars[std::size_t(face.nodes[std::size_t(i)])]; };
-    for (int i = 0; i < int(d.size()); ++i)
-      if (barOf(i) != Bar::Taken && (best < 0 || barOf(i) < barOf(best) || (barOf(i) == barOf(best) && d[i] > d[best]))) best = i;
+    const int best = bestCorner(face, cornerFunctions(face.size) * overlap.faces[f].d, bars);
     if (best >= 0) result.isKept[std::size_t(face.nodes[std::size_t(best)])] = 1;
   }
   return result;
