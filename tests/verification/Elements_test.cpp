@@ -23,21 +23,13 @@ struct Patch {
 };
 
 // A box of hexahedra, 1 x 1.5 x 1, its inner nodes moved by a quarter of the mesh width.
-Mesh distortedBox(std::array<int, 3> n, double distortion) {
+Mesh distortedBlock(std::array<int, 3> n, double distortion) {
   BoxSpec box;
   box.blockName = "box";
   box.upper = {1, 1.5, 1};
   box.divisions = n;
   box.sideSetNames = {"skin", "skin", "skin", "skin", "skin", "skin"};
-  Mesh mesh = makeBoxes({box});
-  std::size_t node = 0;
-  for (int k = 0; k <= n[2]; ++k)
-    for (int j = 0; j <= n[1]; ++j)
-      for (int i = 0; i <= n[0]; ++i, ++node)
-        if (i > 0 && j > 0 && k > 0 && i < n[0] && j < n[1] && k < n[2])
-          for (std::size_t c = 0; c < 3; ++c)
-            mesh.coordinates[node][c] += distortion * box.upper[c] / n[c] * std::sin(12.9 * i + 78.2 * j + 37.7 * k + 4.1 * double(c));
-  return mesh;
+  return distortedBox(box, distortion);
 }
 
 Mesh mixed(const Mesh& hexahedra, std::size_t layer, ElementOrder order) {
@@ -70,7 +62,7 @@ TEUCHOS_UNIT_TEST(Elements, LinearFieldInManyPieces) {
   const double trace = H[0][0] + H[1][1] + H[2][2];
   const std::array<double, 6> stress{2 * shear * H[0][0] + lambda * trace, 2 * shear * H[1][1] + lambda * trace, 2 * shear * H[2][2] + lambda * trace,
                                      shear * (H[0][1] + H[1][0]), shear * (H[1][2] + H[2][1]), shear * (H[0][2] + H[2][0])};
-  for (const auto& [name, mesh] : patchesOf(distortedBox({3, 3, 3}, 0.25), 9))
+  for (const auto& [name, mesh] : patchesOf(distortedBlock({3, 3, 3}, 0.25), 9))
     for (const int pieces : {4, 16}) {
       const auto result = withMaterial(mesh)
                               .displacementField({"skin"}, "xyz",
@@ -162,7 +154,7 @@ bool contains(const std::string& text, const std::string& part) { return text.fi
 
 TEUCHOS_UNIT_TEST(Elements, BadMeshesAreRefusedOnAllRanks) {
   const auto solvable = [](Mesh mesh) { return withMaterial(std::move(mesh)).clamp({"skin"}).decomposition("METIS", 4); };
-  const Mesh box = distortedBox({2, 2, 2}, 0.2);
+  const Mesh box = distortedBlock({2, 2, 2}, 0.2);
   // a mid-node at a corner
   Mesh collapsed = withElements(box, Topology::Tet10);
   const auto& nodes = collapsed.blocks[0].connectivity;

@@ -2,6 +2,7 @@
 // Small meshes for the tests of this package.
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -57,15 +58,7 @@ inline Mesh cubeOfHexahedra(std::array<int, 3> n, double distortion = 0.0) {
   BoxSpec box;
   box.blockName = "cube";
   box.divisions = n;
-  Mesh mesh = makeBoxes({box});
-  std::size_t node = 0;
-  for (int k = 0; k <= n[2]; ++k)
-    for (int j = 0; j <= n[1]; ++j)
-      for (int i = 0; i <= n[0]; ++i, ++node)
-        if (i > 0 && j > 0 && k > 0 && i < n[0] && j < n[1] && k < n[2])
-          for (std::size_t c = 0; c < 3; ++c)
-            mesh.coordinates[node][c] += distortion / n[c] * std::sin(12.9 * i + 78.2 * j + 37.7 * k + 4.1 * double(c));
-  return mesh;
+  return distortedBox(box, distortion);
 }
 
 /// The same with elements of one topology (Tet4: six around the diagonal of every brick), their middles on straight edges before
@@ -133,6 +126,27 @@ inline Eigen::VectorXd someVector(Eigen::Index n) {
   Eigen::VectorXd v(n);
   for (Eigen::Index i = 0; i < n; ++i) v(i) = std::sin(1.0 + 7.3 * double(i) * double(i % 17 + 1));
   return v;
+}
+
+/// \brief The `free` components of u, such that (K u)_i = f_i there; the others stay as they are given.
+inline Eigen::VectorXd solveFree(const Eigen::SparseMatrix<double>& k, const std::vector<int>& free, const Eigen::VectorXd& f, Eigen::VectorXd u) {
+  std::vector<int> position(std::size_t(k.rows()), -1);
+  for (std::size_t i = 0; i < free.size(); ++i) position[std::size_t(free[i])] = int(i);
+  for (const int i : free) u[i] = 0;
+  const Eigen::VectorXd rest = f - k * u;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int j : free)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(k, j); it; ++it)
+      if (position[std::size_t(it.row())] >= 0) entries.emplace_back(position[std::size_t(it.row())], position[std::size_t(j)], it.value());
+  const auto n = Eigen::Index(free.size());
+  Eigen::SparseMatrix<double> inner(n, n);
+  inner.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor(inner);
+  Eigen::VectorXd right(n);
+  for (Eigen::Index i = 0; i < n; ++i) right[i] = rest[free[std::size_t(i)]];
+  const Eigen::VectorXd solution = factor.solve(right);
+  for (Eigen::Index i = 0; i < n; ++i) u[free[std::size_t(i)]] = solution[i];
+  return u;
 }
 
 }  // namespace Haptos::Fixtures

@@ -3,6 +3,7 @@
 
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 
@@ -238,6 +239,20 @@ Mesh withElements(const Mesh& hexahedra, Topology topology) {
                              : topology == Topology::Hex27 ? ElementOrder::FullQuadratic
                                                            : ElementOrder::Quadratic;
   return withCells(hexahedra, std::vector<Cell>(hexahedra.numElements(), cell), order);
+}
+
+Mesh distortedBox(const BoxSpec& box, double distortion) {
+  Mesh mesh = makeBoxes({box});
+  const auto& n = box.divisions;
+  std::size_t node = 0;
+  for (int k = 0; k <= n[2]; ++k)
+    for (int j = 0; j <= n[1]; ++j)
+      for (int i = 0; i <= n[0]; ++i, ++node)
+        if (i > 0 && j > 0 && k > 0 && i < n[0] && j < n[1] && k < n[2])
+          for (std::size_t c = 0; c < 3; ++c)
+            mesh.coordinates[node][c] +=
+                distortion * (box.upper[c] - box.lower[c]) / n[c] * std::sin(12.9 * i + 78.2 * j + 37.7 * k + 4.1 * double(c));
+  return mesh;
 }
 
 }  // namespace Haptos

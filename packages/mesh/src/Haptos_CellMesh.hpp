@@ -2,6 +2,7 @@
 #pragma once
 #include <vector>
 
+#include "Haptos_BoxMesh.hpp"
 #include "Haptos_Mesh.hpp"
 
 namespace Haptos {
@@ -24,5 +25,8 @@ Mesh withCells(const Mesh& hexahedra, const std::vector<Cell>& cells, ElementOrd
 
 /// \brief The same with elements of one topology.
 Mesh withElements(const Mesh& hexahedra, Topology topology);
+
+/// \brief A box of hexahedra, whose inner nodes are moved by up to `distortion` times the mesh width, the same in every run.
+Mesh distortedBox(const BoxSpec& box, double distortion);
 
 }  // namespace Haptos
