@@ -7,6 +7,7 @@
 #include <iostream>
 
 #include "Haptos_CommandLine.hpp"
+#include "Haptos_Build.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_Parameters.hpp"
@@ -35,27 +36,33 @@ void printResult(Progress& progress, const SimulationResult& result) {
   }
 }
 
+// A line, on any number of ranks.
+std::string memoryText(const MemoryReport& memory) {
+  std::string line = "peak memory by rank [MB]:";
+  if (memory.ofRank.size() <= 16 && !memory.ofRank.empty()) {
+    for (double mb : memory.ofRank) line += " " + formatted("%.0f", mb);
+    return line;
+  }
+  return line + formatted(" least %.0f,", memory.peak.least) + formatted(" mean %.0f,", memory.peak.mean) + formatted(" most %.0f", memory.peak.most);
+}
+
 void printCosts(Progress& progress, const RunReport& report) {
   char text[128];
   std::string line = "time:";
   for (std::size_t i = 0; i < numPhases; ++i) {
-    std::snprintf(text, sizeof text, " %s %.2f", phaseName(Phase(i)), report.times.seconds[i]);
+    std::snprintf(text, sizeof text, " %s %.2f", phaseName(Phase(i)), report.times.of(Phase(i)));
     line += text;
   }
-  std::snprintf(text, sizeof text, ", total %.2f s", report.times.total);
+  std::snprintf(text, sizeof text, ", total %.2f s", report.times.total.most);
   progress.line(line + text);
-  line = "peak memory by rank [MB]:";
-  for (double mb : report.peakMemoryMb) {
-    std::snprintf(text, sizeof text, " %.0f", mb);
-    line += text;
-  }
-  progress.line(line);
+  progress.line(memoryText(report.memory));
 }
 
 int runSimulation(const RCP<const Communicator>& comm, const CommandLine& line) {
   const auto parameters = readParameters(*comm, line);
   Progress progress(*comm);
   Simulation simulation(comm, parameters, &progress);
+  simulation.setBuild(buildText());
   simulation.prepare();
   if (line.validateOnly) {
     const auto summary = runOptions(parameters).output.summary;

@@ -15,7 +15,6 @@ from haptos_runs import programs, run_haptos
 
 DRIVERS = pathlib.Path(__file__).resolve().parents[2] / "drivers"
 sys.path.insert(0, str(DRIVERS))
-import haptos_scaling  # noqa: E402
 import haptos_scaling_model as model  # noqa: E402
 
 
@@ -27,7 +26,7 @@ class Scaling(unittest.TestCase):
 
     def run_driver(self, *arguments):
         command = [sys.executable, str(DRIVERS / "haptos_scaling.py"), "--haptos", programs.counting,
-                   "--mpirun", programs.mpirun, *map(str, arguments)]
+                   "--launcher", programs.mpirun, *map(str, arguments)]
         return subprocess.run(command, capture_output=True, text=True, timeout=3000)
 
     def rows(self, name):
@@ -45,10 +44,12 @@ class Scaling(unittest.TestCase):
             self.assertGreater(int(row["multiplications"]), 5)
             self.assertEqual(int(row["reductions"]) > 0, int(row["ranks"]) > 1)
             self.assertEqual(float(row["mbytes_sent"]) > 0, int(row["ranks"]) > 1)
-            self.assertEqual(int(row["oversubscribed"]), int(int(row["ranks"]) > haptos_scaling.processors()))
+            self.assertEqual(int(row["oversubscribed"]), int(int(row["ranks"]) > os.cpu_count()))
             self.assertGreater(float(row["total_seconds"]), 0)
+            self.assertEqual(bool(row["total_efficiency"]), row["oversubscribed"] == "0")
+        self.assertEqual(float(rows[0]["solve_efficiency"]), 1)
         marked = [line for line in done.stdout.splitlines() if line.startswith("   8*")]
-        self.assertEqual(len(marked), int(haptos_scaling.processors() < 8), done.stdout)
+        self.assertEqual(len(marked), int(os.cpu_count() < 8), done.stdout)
         formulas = self.rows("scaling_formulas.csv")
         self.assertEqual({row["agrees"] for row in formulas}, {"yes"}, done.stdout)
         bytes_of_B = [int(r["measured"]) for r in formulas if r["quantity"] == "bytes of B, all ranks"]
@@ -76,6 +77,61 @@ class Scaling(unittest.TestCase):
         summary["coarse"]["blocks"] -= 1
         self.assertFalse(all(model.agrees(row) for row in model.compare(summary, 2, 1)))
 
+    def launcher(self, name):
+        """A program that is told as mpirun is, writes down what it was told and leaves the rest to that."""
+        path = self.folder / "programs" / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_text(f'#!/bin/sh\nprintf "%s\\n" "$*" >> {shlex.quote(str(self.folder / "told"))}\nexec {programs.mpirun} "$@"\n')
+        path.chmod(0o755)
+        return path
+
+    def test_repeated_runs_by_another_launcher(self):
+        cells = self.folder / "cells"
+        cells.write_text("# k p ranks\n2 1 1\n\n2, 1, 2  # once more\n")
+        done = self.run_driver("--cells", cells, "--repeat", 2, "--launcher", f"{self.launcher('start')} --quiet", "--folder", self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        told = (self.folder / "told").read_text().splitlines()
+        self.assertEqual([line.split()[:3] for line in told], [["--quiet", "-n", n] for n in "11112222"])  # the empty program, too
+        runs = json.loads((self.folder / "scaling.json").read_text())
+        self.assertEqual([(run["k"], run["haptos"]["ranks"]) for run in runs], [(1, 1)] * 2 + [(2, 1)] * 2 + [(1, 2)] * 2 + [(2, 2)] * 2)
+        for run in runs:
+            for key in ("mpi", "blas", "host", "trilinos"):
+                self.assertTrue(run["machine"][key])
+            seconds = run["time_over_ranks"]["solve"]
+            self.assertTrue(0 < seconds["min"] <= seconds["max"] == run["time"]["solve"])
+        costs = [min(run["time"]["total"] for run in runs[first:first + 2]) for first in (2, 6)]
+        for row, cost, ranks in zip(self.rows("scaling.csv"), costs, (1, 2)):
+            self.assertEqual((row["runs"], int(row["ranks"])), ("2", ranks))
+            self.assertAlmostEqual(float(row["total_seconds"]), cost, 3)
+            self.assertLessEqual(float(row["total_seconds"]), float(row["median_total_seconds"]))
+            self.assertAlmostEqual(float(row["total_efficiency"]), costs[0] / (ranks * cost), 3)
+
+    def test_batch_script(self):
+        """What it writes does the same by srun, when it runs."""
+        script, study = self.folder / "job.sh", self.folder / "by job"
+        done = self.run_driver("--cell", 2, 1, 3, "--cell", 1, 1, 2, "--time-limit", 300, "--folder", study, "--slurm", script,
+                               "--sbatch=--partition=short", "--sbatch=--exclusive")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        self.assertEqual(list(study.glob("*")), [])
+        lines = script.read_text().splitlines()
+        for option in ("--ntasks=3", "--time=10", "--partition=short", "--exclusive"):
+            self.assertIn(f"#SBATCH {option}", lines)
+        path = f"{self.launcher('srun').parent}{os.pathsep}{os.environ['PATH']}"
+        done = subprocess.run(["bash", str(script)], capture_output=True, text=True, env={**os.environ, "PATH": path}, timeout=600)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        told = (self.folder / "told").read_text().splitlines()
+        self.assertEqual({line.split()[1] for line in told}, {"2", "3"})
+        self.assertEqual(len(list(csv.DictReader((study / "scaling.csv").read_text().splitlines()))), 2)
+
+    def test_counts_that_change_are_seen(self):
+        """A launcher that starts one more rank the second time."""
+        path = self.launcher("start")
+        path.write_text(f'#!/bin/sh\necho >> {shlex.quote(str(self.folder / "told"))}\n[ $(wc -l < {shlex.quote(str(self.folder / "told"))}) = 2 ] && '
+                        f'{{ shift 2; set -- -n 2 "$@"; }}\nexec {programs.mpirun} "$@"\n')
+        done = self.run_driver("--cell", 2, 1, 1, "--repeat", 2, "--launcher", path, "--folder", self.folder)
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("repeated", done.stderr)
+
     def test_closed_form_of_slabs(self):
         """Where ranks hold whole layers the lattice gives the formula of doc/scaling.md.
 
@@ -91,14 +147,22 @@ class Scaling(unittest.TestCase):
                 self.assertEqual(8 * (upwards + downwards), model.slab_bytes(k, p, touches_clamp=not contact), (k, p, ranks, rank))
 
     def test_wrong_input(self):
+        wrong, empty = self.folder / "wrong", self.folder / "empty"
+        wrong.write_text("1 1 1\n2 1\n")
+        empty.write_text("# nothing\n")
         for arguments, part in (
                 (["--cell", 0, 2, 2, "--folder", self.folder], "--cell 0 2 2"),
                 (["--cell", 1, 2, "x", "--folder", self.folder], "invalid int value: 'x'"),
                 (["--study", "nothing"], "invalid choice: 'nothing'"),
-                (["--quick"], "--quick and --cell need a --folder"),
+                (["--quick"], "--quick, --cell and --cells need a --folder"),
+                (["--cells", self.folder / "none", "--folder", self.folder], "none"),
+                (["--cells", wrong, "--folder", self.folder], "line 2: '2 1' is not k, p and ranks"),
+                (["--cells", empty, "--folder", self.folder], "no cell in it"),
+                (["--repeat", 0], "--repeat 0: must be at least 1"),
+                (["--sbatch", "x"], "--sbatch tells what --slurm writes"),
                 (["--time-limit", -1], "--time-limit -1: must be positive"),
                 (["--haptos", "/no/such/program"], "--haptos /no/such/program: no such program"),
-                (["--mpirun", "no-such-mpirun -x"], "--mpirun no-such-mpirun -x: no such program"),
+                (["--mpirun", "no-such-mpirun -x"], "--launcher no-such-mpirun -x: no such program"),
                 (["--unknown"], "unrecognized arguments: --unknown"),
                 (["--cell", 1, 1, 1, "--folder", self.folder, "--input", self.folder / "none.xml"], "none.xml"),
                 (["--cell", 1, 1, 1, "--folder", self.folder, "--set", "Solver->Methot=SMALSE"], "did you mean 'Method'?")):
@@ -111,7 +175,7 @@ class Scaling(unittest.TestCase):
     def test_help(self):
         done = self.run_driver("--help")
         self.assertEqual((done.returncode, done.stderr), (0, ""))
-        for option in ("--study", "--cell", "--haptos", "--mpirun", "--folder", "--draw", "--redraw"):
+        for option in ("--study", "--cell", "--haptos", "--launcher", "--slurm", "--folder", "--draw", "--redraw"):
             self.assertIn(option, done.stdout)
 
 

@@ -9,7 +9,7 @@ NUMBER = (int, float)
 COUNT = int
 
 KEYS = {
-    "haptos": {"version": str, "ranks": COUNT},
+    "haptos": {"version": str, "build": str, "ranks": COUNT},
     "model": {"bodies": COUNT, "subdomains": COUNT, "primal_unknowns": COUNT, "dual_unknowns": COUNT,
               "kernel_dimension": COUNT, "contact_pairs": COUNT, "discretization": str, "law": str, "left_out": list},
     "solver": {"method": str, "status": str, "reason": str, "outer_iterations": COUNT, "hessian_multiplications": COUNT,
@@ -22,12 +22,15 @@ KEYS = {
                           "open": COUNT, "max_pressure": NUMBER}},
     "time": {name: NUMBER for name in ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover",
                                        "write", "total")},
-    "memory": {"peak_rss_mb": list},
+    "time_over_ranks": {name: {"min": NUMBER, "mean": NUMBER, "max": NUMBER} for name in ("read", "solve", "total")},
+    "memory": {"peak_rss_mb": list, "over_ranks": {"peak_rss_mb": {"min": NUMBER, "mean": NUMBER, "max": NUMBER}}},
+    "machine": {"host": str, "hosts": COUNT, "processors": COUNT, "processor": str, "mpi": str, "blas": str, "trilinos": str, "compiler": str},
     "coarse": {"unknowns": COUNT, "factors": COUNT, "blocks": COUNT, "factor_entries": COUNT, "factor_entries_all": COUNT,
                "between": COUNT, "last": COUNT, "flops": NUMBER, "flops_all": NUMBER, "entries_read": NUMBER, "entries_read_all": NUMBER, "set_ups": COUNT,
                "set_up_seconds": NUMBER, "solves": COUNT, "solve_seconds": NUMBER, "solve_bytes": COUNT},
     "communication": {name: list for name in ("reductions", "other_collectives", "messages", "message_bytes",
                                               "collective_bytes", "bytes_sent")}
+                     | {"over_ranks": {"bytes_sent": {"min": NUMBER, "mean": NUMBER, "max": NUMBER}}}
                      | {"largest_of_phase": {"solve": {"reductions": COUNT, "bytes_sent": COUNT}},
                         "jump": {"vectors": COUNT, "messages": list, "message_bytes": list},
                         "jump_transposed": {"vectors": COUNT, "messages": list, "message_bytes": list}},
@@ -59,7 +62,13 @@ class Summary(SceneTest):
             self.assertGreaterEqual(summary["model"]["congruence_classes"], 1)
             self.assertEqual(summary["haptos"]["ranks"], ranks)
             self.assertEqual(len(summary["memory"]["peak_rss_mb"]), ranks)
+            for name, seconds in summary["time_over_ranks"].items():
+                self.assertEqual(seconds["max"], summary["time"][name])
+                self.assertTrue(0 <= seconds["min"] <= seconds["mean"] * (1 + 1e-12) <= seconds["max"] * (1 + 2e-12), (name, seconds))
+            self.assertEqual(summary["machine"]["hosts"], 1)
+            self.assertNotIn("/", summary["haptos"]["build"])
             sent = summary["communication"]
+            self.assertEqual(sent["over_ranks"]["bytes_sent"]["max"], max(sent["bytes_sent"]))
             for name in ("reductions", "messages", "bytes_sent"):
                 self.assertEqual(len(sent[name]), ranks)
                 self.assertTrue(all((number > 0) == (ranks > 1) for number in sent[name]), sent[name])

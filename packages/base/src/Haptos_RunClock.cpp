@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include "Haptos_Reductions.hpp"
+
 namespace Haptos {
 
 double wallSeconds() {
@@ -59,52 +61,68 @@ double RunClock::seconds(Phase phase) const {
 
 double RunClock::total() const { return now_() - start_; }
 
-// The slowest rank of each phase: their sum is more than the total where ranks wait for each other in different phases.
-PhaseTimes RunClock::slowest(const Communicator& comm) const {
-  std::array<double, numPhases + 1> mine, largest;
-  for (std::size_t i = 0; i < numPhases; ++i) mine[i] = seconds(Phase(i));
-  mine[numPhases] = total();
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
-  PhaseTimes times;
-  for (std::size_t i = 0; i < numPhases; ++i) times.seconds[i] = largest[i];
-  times.total = largest[numPhases];
-  return times;
+std::array<long long, 6> numbersOf(const CommunicationCounts& c) {
+  return {c.reductions, c.collectives, c.messages, c.messageBytes, c.collectiveBytes, c.bytesSent()};
 }
 
 namespace {
 
-constexpr int kNumbers = 5;  // of one CommunicationCounts
+// Back from the first five.
+CommunicationCounts countsOf(const long long* n) { return {long(n[0]), long(n[1]), long(n[2]), n[3], n[4]}; }
 
-std::array<long long, kNumbers> packed(const CommunicationCounts& c) {
-  return {c.reductions, c.collectives, c.messages, c.messageBytes, c.collectiveBytes};
+// Of every entry, in two reductions.
+template <std::size_t n>
+std::array<OverRanks, n> entriesOverRanks(const Communicator& comm, const std::array<double, n>& mine) {
+  std::array<double, 2 * n> ends;  // the least is minus the largest of the negative ones
+  for (std::size_t i = 0; i < n; ++i) ends[i] = mine[i], ends[n + i] = -mine[i];
+  ends = largestOfAll(comm, ends);
+  const auto sum = sumOfAll(comm, mine);
+  std::array<OverRanks, n> entries;
+  for (std::size_t i = 0; i < n; ++i) entries[i] = {-ends[n + i], sum[i] / comm.getSize(), ends[i]};
+  return entries;
 }
-
-CommunicationCounts unpacked(const long long* n) { return {long(n[0]), long(n[1]), long(n[2]), n[3], n[4]}; }
 
 }  // namespace
 
-// The counts so far come first: what this call itself sends is not in them.
-std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine) {
-  const auto numbers = packed(mine);
-  std::vector<long long> all(kNumbers * std::size_t(comm.getSize()));
-  Teuchos::gatherAll(comm, kNumbers, numbers.data(), int(all.size()), all.data());
-  std::vector<CommunicationCounts> ofRank;
-  for (int r = 0; r < comm.getSize(); ++r) ofRank.push_back(unpacked(all.data() + kNumbers * r));
-  return ofRank;
+// The slowest ranks of the phases may add up to more than the total, where ranks wait for each other in different phases.
+PhaseTimes RunClock::overRanks(const Communicator& comm) const {
+  std::array<double, numPhases + 1> mine;
+  for (std::size_t i = 0; i < numPhases; ++i) mine[i] = seconds(Phase(i));
+  mine[numPhases] = total();
+  const auto entries = entriesOverRanks(comm, mine);
+  PhaseTimes times;
+  std::copy_n(entries.begin(), numPhases, times.seconds.begin());
+  times.total = entries.back();
+  return times;
 }
 
-// Ranks one by one for the whole run; for a phase the largest of them is enough, and one reduction for all.
+// The counts so far come first: what this call itself sends is not in them.
+CountsOverRanks gatherCommunication(const Communicator& comm, const CommunicationCounts& mine, int listedUpTo) {
+  CountsOverRanks report;
+  const auto numbers = numbersOf(mine);
+  std::array<double, numbers.size()> values;
+  std::copy(numbers.begin(), numbers.end(), values.begin());
+  report.numbers = entriesOverRanks(comm, values);
+  if (comm.getSize() > listedUpTo) return report;
+  std::vector<long long> all(numbers.size() * std::size_t(comm.getSize()));
+  Teuchos::gatherAll(comm, int(numbers.size()), numbers.data(), int(all.size()), all.data());
+  for (auto n = all.begin(); n != all.end(); n += numbers.size()) report.ofRank.push_back(countsOf(&*n));
+  return report;
+}
+
+// For a phase the largest of the ranks is enough, and one reduction for all.
 CommunicationReport RunClock::communication(const Communicator& comm) const {
   CommunicationReport report;
   report.isCounted = isCommunicationCounted();
-  report.ofRank = gatherCommunication(comm, communicationSoFar());
-  std::array<long long, kNumbers * numPhases> mine{}, largest{};
+  report.run = gatherCommunication(comm, communicationSoFar());
+  constexpr std::size_t size = std::tuple_size_v<decltype(numbersOf({}))>;
+  std::array<long long, size * numPhases> mine;
   for (std::size_t i = 0; i < numPhases; ++i) {
-    const auto numbers = packed(sent_[i]);
-    std::copy(numbers.begin(), numbers.end(), mine.begin() + kNumbers * i);
+    const auto numbers = numbersOf(sent_[i]);
+    std::copy(numbers.begin(), numbers.end(), mine.begin() + size * i);
   }
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, int(mine.size()), mine.data(), largest.data());
-  for (std::size_t i = 0; i < numPhases; ++i) report.largestOfPhase[i] = unpacked(largest.data() + kNumbers * i);
+  const auto largest = largestOfAll(comm, mine);
+  for (std::size_t i = 0; i < numPhases; ++i) report.largestOfPhase[i] = countsOf(largest.data() + size * i);
   return report;
 }
 
@@ -121,11 +139,13 @@ double peakMemoryMb() {
 
 double physicalMemoryBytes() { return double(sysconf(_SC_PHYS_PAGES)) * double(sysconf(_SC_PAGESIZE)); }
 
-std::vector<double> gatherPeakMemoryMb(const Communicator& comm) {
-  const double mine = peakMemoryMb();
-  std::vector<double> all(std::size_t(comm.getSize()), 0.0);
-  Teuchos::gatherAll(comm, 1, &mine, int(all.size()), all.data());
-  return all;
+MemoryReport gatherPeakMemoryMb(const Communicator& comm, int listedUpTo) {
+  const std::array<double, 1> mine = {peakMemoryMb()};
+  MemoryReport report{{}, entriesOverRanks(comm, mine)[0]};
+  if (comm.getSize() > listedUpTo) return report;
+  report.ofRank.resize(std::size_t(comm.getSize()));
+  Teuchos::gatherAll(comm, 1, mine.data(), comm.getSize(), report.ofRank.data());
+  return report;
 }
 
 }  // namespace Haptos

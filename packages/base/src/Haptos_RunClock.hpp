@@ -14,18 +14,41 @@ enum class Phase { Read, Decompose, Assemble, Factor, Coarse, Solve, Recover, Wr
 inline constexpr std::size_t numPhases = 8;
 const char* phaseName(Phase phase);  ///< "read", "decompose", ...
 
-/// \brief Wall seconds of the slowest rank.
-struct PhaseTimes {
-  std::array<double, numPhases> seconds{};  ///< index: Phase
-  double total = 0.0;                       ///< since the clock was made
-  double of(Phase phase) const { return seconds[std::size_t(phase)]; }
+/// \brief A number that every rank has.
+struct OverRanks {
+  double least = 0, mean = 0, most = 0;
 };
+
+/// \brief Reports list numbers rank by rank up to so many ranks; beyond, least, mean and most are all that they hold.
+inline constexpr int kMostListedRanks = 256;
+
+/// \brief Wall seconds.
+struct PhaseTimes {
+  std::array<OverRanks, numPhases> seconds{};  ///< index: Phase
+  OverRanks total;                             ///< since the clock was made
+  double of(Phase phase) const { return seconds[std::size_t(phase)].most; }
+};
+
+/// \brief What the ranks sent.
+struct CountsOverRanks {
+  std::vector<CommunicationCounts> ofRank;  ///< [ranks]; empty on more than are listed
+  std::array<OverRanks, 6> numbers;         ///< as `numbersOf` has them
+};
+
+/// \brief Reductions, other collectives, messages, message bytes, collective bytes, all bytes.
+std::array<long long, 6> numbersOf(const CommunicationCounts& counts);
 
 /// \brief What was sent, by rank and by phase.
 struct CommunicationReport {
   bool isCounted = false;
-  std::vector<CommunicationCounts> ofRank;                   ///< [ranks], the whole run
+  CountsOverRanks run;
   std::array<CommunicationCounts, numPhases> largestOfPhase;  ///< entry by entry the largest of the ranks
+};
+
+/// \brief Largest resident memory [MB = 2^20 bytes].
+struct MemoryReport {
+  std::vector<double> ofRank;  ///< [ranks]; empty on more than are listed
+  OverRanks peak;
 };
 
 /// \brief Seconds of a steady clock, since any fixed moment.
@@ -65,8 +88,8 @@ class RunClock {
   /// \brief What this rank sent in a phase, without its running part.
   const CommunicationCounts& sent(Phase phase) const { return sent_[std::size_t(phase)]; }
 
-  /// \brief Maxima over the ranks, the same on all.  Collective.
-  PhaseTimes slowest(const Communicator& comm) const;
+  /// \brief The same on all ranks.  Collective.
+  PhaseTimes overRanks(const Communicator& comm) const;
 
   /// \brief The same on all ranks; what it sends itself is not in it.  Collective.
   CommunicationReport communication(const Communicator& comm) const;
@@ -83,8 +106,8 @@ class RunClock {
   std::array<CommunicationCounts, numPhases> sent_;
 };
 
-/// \brief `mine` of every rank, [number of ranks], the same on all.  Collective.
-std::vector<CommunicationCounts> gatherCommunication(const Communicator& comm, const CommunicationCounts& mine);
+/// \brief `mine` of every rank, the same on all.  Collective.
+CountsOverRanks gatherCommunication(const Communicator& comm, const CommunicationCounts& mine, int listedUpTo = kMostListedRanks);
 
 /// \brief Largest resident memory of this process so far [MB = 2^20 bytes].
 double peakMemoryMb();
@@ -92,7 +115,7 @@ double peakMemoryMb();
 /// \brief Memory of this machine [bytes].
 double physicalMemoryBytes();
 
-/// \brief `peakMemoryMb` of every rank, [number of ranks], the same on all.  Collective.
-std::vector<double> gatherPeakMemoryMb(const Communicator& comm);
+/// \brief `peakMemoryMb` of every rank, the same on all.  Collective.
+MemoryReport gatherPeakMemoryMb(const Communicator& comm, int listedUpTo = kMostListedRanks);
 
 }  // namespace Haptos

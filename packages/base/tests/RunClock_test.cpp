@@ -5,8 +5,10 @@
 #include <Tpetra_Core.hpp>
 #include <Tpetra_CrsMatrix.hpp>
 #include <Tpetra_Map.hpp>
+#include <algorithm>
 #include <sstream>
 
+#include "Haptos_Machine.hpp"
 #include "Haptos_Progress.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_TpetraCompat.hpp"
@@ -57,10 +59,13 @@ TEUCHOS_UNIT_TEST(RunClock, SlowestRankCounts) {
     const auto factor = clock.time(Phase::Factor);
     now += 10.0 - rank;  // slowest on rank 0
   }
-  const auto times = clock.slowest(*comm);
+  const auto times = clock.overRanks(*comm);
   TEST_EQUALITY(times.of(Phase::Read), 1.0 + last);
   TEST_EQUALITY(times.of(Phase::Factor), 10.0);
-  TEST_EQUALITY(times.total, 11.0);
+  TEST_EQUALITY(times.total.most, 11.0);
+  const OverRanks& factor = times.seconds[std::size_t(Phase::Factor)];
+  TEST_EQUALITY(factor.least, 10.0 - last);
+  TEST_FLOATING_EQUALITY(factor.mean, 10.0 - 0.5 * last, 1e-14);
   TEST_EQUALITY(std::string(phaseName(Phase::Read)), "read");
   TEST_EQUALITY(std::string(phaseName(Phase::Write)), "write");
 }
@@ -72,10 +77,42 @@ TEUCHOS_UNIT_TEST(RunClock, MemoryOfEveryRank) {
   std::vector<char> ballast;
   if (comm->getRank() == comm->getSize() - 1) ballast.assign(size, 1);  // touched, so it is resident
   const auto memory = gatherPeakMemoryMb(*comm);
-  TEST_EQUALITY(int(memory.size()), comm->getSize());
-  for (const double mb : memory) TEST_ASSERT(mb > 1.0 && mb < 1e5);
-  if (!ballast.empty()) TEST_COMPARE(memory.back(), >=, before + 128.0);
-  TEST_COMPARE(memory.back(), >=, 256.0);
+  TEST_EQUALITY(int(memory.ofRank.size()), comm->getSize());
+  for (const double mb : memory.ofRank) TEST_ASSERT(mb > 1.0 && mb < 1e5);
+  if (!ballast.empty()) TEST_COMPARE(memory.ofRank.back(), >=, before + 128.0);
+  TEST_COMPARE(memory.ofRank.back(), >=, 256.0);
+  TEST_EQUALITY(memory.peak.most, *std::max_element(memory.ofRank.begin(), memory.ofRank.end()));
+  TEST_EQUALITY(memory.peak.least, *std::min_element(memory.ofRank.begin(), memory.ofRank.end()));
+}
+
+TEUCHOS_UNIT_TEST(RunClock, ManyRanksAreNotListed) {
+  const auto comm = Tpetra::getDefaultComm();
+  const int rank = comm->getRank(), size = comm->getSize();
+  const CommunicationCounts mine{1 + rank, 2, 3, 10LL * (size - rank), 100LL * rank};
+  const auto listed = gatherCommunication(*comm, mine, size), many = gatherCommunication(*comm, mine, size - 1);
+  TEST_EQUALITY(int(listed.ofRank.size()), size);
+  TEST_EQUALITY(listed.ofRank[std::size_t(size - 1)].collectiveBytes, 100LL * (size - 1));
+  TEST_ASSERT(many.ofRank.empty());
+  TEST_ASSERT(gatherPeakMemoryMb(*comm, size - 1).ofRank.empty());
+  TEST_ASSERT(gatherPeakMemoryMb(*comm, size - 1).peak.least > 1.0);
+  for (const auto& counts : {listed, many}) {
+    TEST_EQUALITY(counts.numbers[0].least, 1.0);
+    TEST_EQUALITY(counts.numbers[0].most, double(size));
+    TEST_FLOATING_EQUALITY(counts.numbers[3].mean, 5.0 * (size + 1), 1e-14);
+    TEST_EQUALITY(counts.numbers[5].most, 90.0 * (size - 1) + 10.0 * size);  // of one rank, not the sum of the largest of both kinds
+  }
+}
+
+TEUCHOS_UNIT_TEST(Machine, TellsWhatSecondsDependOn) {
+  const auto comm = Tpetra::getDefaultComm();
+  const Machine machine = describeMachine(*comm);
+  TEST_EQUALITY(machine.hosts, 1);
+  const bool root = comm->getRank() == 0;
+  for (const auto& text : {machine.host, machine.mpi, machine.blas, machine.trilinos, machine.compiler}) {
+    TEST_EQUALITY(text.empty(), !root);
+    TEST_EQUALITY(text.find('/'), std::string::npos);
+  }
+  if (root) TEST_COMPARE(machine.processors, >=, 1);
 }
 
 struct Printed {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RunReport.hpp"
 
+#include <array>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,7 +13,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // Names are those of doc/input.md and CHANGELOG.md: what is once written goes on being written under its name.
-Json headerJson(const RunReport& report) { return {{"version", report.version}, {"ranks", report.ranks}, {"title", report.title}}; }
+Json headerJson(const RunReport& report) { return {{"version", report.version}, {"build", report.build}, {"ranks", report.ranks}, {"title", report.title}}; }
 
 Json modelBlock(const ModelReport& model) {
   return {{"bodies", model.bodies},
@@ -87,9 +88,31 @@ Json contactBlock(const RunReport& report) {
 // Of the slowest rank in each phase: they may add up to more than the total.
 Json timeBlock(const PhaseTimes& times) {
   Json block;
-  for (std::size_t i = 0; i < numPhases; ++i) block[phaseName(Phase(i))] = times.seconds[i];
-  block["total"] = times.total;
+  for (std::size_t i = 0; i < numPhases; ++i) block[phaseName(Phase(i))] = times.seconds[i].most;
+  block["total"] = times.total.most;
   return block;
+}
+
+Json overRanksJson(const OverRanks& number) { return {{"min", number.least}, {"mean", number.mean}, {"max", number.most}}; }
+
+// A rank that waits for another in a phase spends that time in it.
+Json timeOverRanksBlock(const PhaseTimes& times) {
+  Json block;
+  for (std::size_t i = 0; i < numPhases; ++i) block[phaseName(Phase(i))] = overRanksJson(times.seconds[i]);
+  block["total"] = overRanksJson(times.total);
+  return block;
+}
+
+Json memoryBlock(const MemoryReport& memory) {
+  Json block = Json::object();
+  if (!memory.ofRank.empty()) block["peak_rss_mb"] = memory.ofRank;
+  block["over_ranks"] = {{"peak_rss_mb", overRanksJson(memory.peak)}};
+  return block;
+}
+
+Json machineBlock(const Machine& machine) {
+  return {{"host", machine.host}, {"hosts", machine.hosts}, {"processors", machine.processors}, {"processor", machine.processor},
+          {"mpi", machine.mpi}, {"blas", machine.blas}, {"trilinos", machine.trilinos}, {"compiler", machine.compiler}};
 }
 
 // Set-up apart from solves: the one is paid once a matrix, the other in every iteration.
@@ -116,31 +139,38 @@ Json coarseBlock(const CoarseReport& coarse) {
           {"solve_bytes", coarse.solveBytes}};
 }
 
-Json numbersOf(const CommunicationCounts& c) {
-  return {{"reductions", c.reductions}, {"other_collectives", c.collectives}, {"messages", c.messages},
-          {"message_bytes", c.messageBytes}, {"collective_bytes", c.collectiveBytes}, {"bytes_sent", c.bytesSent()}};
-}
+constexpr std::array<const char*, 6> kCountNames = {"reductions", "other_collectives", "messages", "message_bytes", "collective_bytes", "bytes_sent"};
 
-// An array over the ranks for every number.
-Json arraysOf(const std::vector<CommunicationCounts>& ofRank) {
-  Json block = Json::object();
-  for (const auto& counts : ofRank) {
-    const Json numbers = numbersOf(counts);
-    for (const auto& [name, value] : numbers.items()) block[name].push_back(value);
-  }
+Json countsJson(const CommunicationCounts& counts) {
+  Json block;
+  const auto numbers = numbersOf(counts);
+  for (std::size_t i = 0; i < numbers.size(); ++i) block[kCountNames[i]] = numbers[i];
   return block;
 }
 
-Json jumpBlock(long vectors, const std::vector<CommunicationCounts>& ofRank) {
-  const Json arrays = arraysOf(ofRank);
-  return {{"vectors", vectors}, {"messages", arrays["messages"]}, {"message_bytes", arrays["message_bytes"]}};
+// An array over the ranks for every number, where they are listed; least, mean and most always.
+Json countsJson(const CountsOverRanks& counts) {
+  Json block = Json::object();
+  for (const auto& ofRank : counts.ofRank) {
+    const auto numbers = numbersOf(ofRank);
+    for (std::size_t i = 0; i < numbers.size(); ++i) block[kCountNames[i]].push_back(numbers[i]);
+  }
+  for (std::size_t i = 0; i < counts.numbers.size(); ++i) block["over_ranks"][kCountNames[i]] = overRanksJson(counts.numbers[i]);
+  return block;
 }
 
-// Arrays over the ranks for the whole run; by phase the largest of the ranks.
+Json jumpBlock(long vectors, const CountsOverRanks& counts) {
+  Json block = countsJson(counts);
+  for (const char* name : {"reductions", "other_collectives", "collective_bytes", "bytes_sent"}) block.erase(name), block["over_ranks"].erase(name);
+  block["vectors"] = vectors;
+  return block;
+}
+
+// Of the whole run; by phase the largest of the ranks.
 Json communicationBlock(const RunReport& report) {
-  Json block = arraysOf(report.communication.ofRank);
+  Json block = countsJson(report.communication.run);
   Json phases = Json::object();
-  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = numbersOf(report.communication.largestOfPhase[i]);
+  for (std::size_t i = 0; i < numPhases; ++i) phases[phaseName(Phase(i))] = countsJson(report.communication.largestOfPhase[i]);
   block["largest_of_phase"] = phases;
   block["jump"] = jumpBlock(report.jump.forwardVectors, report.jump.forward);
   block["jump_transposed"] = jumpBlock(report.jump.transposedVectors, report.jump.transposed);
@@ -173,7 +203,9 @@ std::string summaryJson(const RunReport& report) {
                   {"accuracy", accuracyBlock(report)},
                   {"contact", contactBlock(report)},
                   {"time", timeBlock(report.times)},
-                  {"memory", {{"peak_rss_mb", report.peakMemoryMb}}},
+                  {"time_over_ranks", timeOverRanksBlock(report.times)},
+                  {"memory", memoryBlock(report.memory)},
+                  {"machine", machineBlock(report.machine)},
                   {"coarse", coarseBlock(report.coarse)}};
   if (report.communication.isCounted) summary["communication"] = communicationBlock(report);
   return textOf(summary);

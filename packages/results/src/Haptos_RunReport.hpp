@@ -5,6 +5,7 @@
 
 #include "Haptos_Accuracy.hpp"
 #include "Haptos_ContactResults.hpp"
+#include "Haptos_Machine.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_SolverReport.hpp"
 
@@ -60,13 +61,14 @@ struct CoarseReport {
 
 /// \brief What B and B^T sent, the most part of the messages of an iteration.
 struct JumpReport {
-  long forwardVectors = 0, transposedVectors = 0;            ///< vectors multiplied by B, by B^T
-  std::vector<CommunicationCounts> forward, transposed;      ///< [ranks]
+  long forwardVectors = 0, transposedVectors = 0;  ///< vectors multiplied by B, by B^T
+  CountsOverRanks forward, transposed;
 };
 
 /// \brief Everything that the summary says.
 struct RunReport {
   std::string version, title;  ///< title: of the input
+  std::string build;           ///< commit and flags of the program; may be empty
   int ranks = 1;
   ModelReport model;
   SolverReport solver;
@@ -75,7 +77,8 @@ struct RunReport {
   std::vector<std::string> interfaceNames;
   std::vector<InterfaceResult> interfaces;
   PhaseTimes times;
-  std::vector<double> peakMemoryMb;
+  MemoryReport memory;
+  Machine machine;
   CoarseReport coarse;
   JumpReport jump;
   CommunicationReport communication;

@@ -254,8 +254,9 @@ void Simulation::write(SimulationResult& result) {
     }
   }
   result.report.communication = clock_.communication(*comm_);
-  result.report.times = clock_.slowest(*comm_);
-  result.report.peakMemoryMb = gatherPeakMemoryMb(*comm_);
+  result.report.times = clock_.overRanks(*comm_);
+  result.report.memory = gatherPeakMemoryMb(*comm_);
+  result.report.machine = describeMachine(*comm_);
   runOnRoot(*comm_, [&] {
     if (!output.summary.empty()) writeTextFile(output.summary, summaryJson(result.report));
   });

@@ -2,6 +2,7 @@
 #pragma once
 #include <Teuchos_ParameterList.hpp>
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "Haptos_ContactSystem.hpp"
@@ -43,6 +44,9 @@ class Simulation {
 
   /// \brief Adds forces on single nodes, beside the loads of the parameters; before `prepare`, the same on all ranks.
   void addNodalForces(NodalForces forces) { nodalForces_.push_back(std::move(forces)); }
+
+  /// \brief What the summary says of the program: commit and flags.
+  void setBuild(std::string build) { report_.build = std::move(build); }
 
   /// \throws InputError, InsufficientModel on all ranks
   void prepare();
