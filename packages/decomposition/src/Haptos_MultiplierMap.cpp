@@ -113,6 +113,8 @@ void MultiplierMap::takePairs(const RowShare& share) {
       const LocalFrame& frame = pair.geometry.frame;
       Coupling coupling{rows, {frame.normal, frame.t1, frame.t2}, pair.nodes, pair.holder, pair.meetsContact};
       if (tied) coupling.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+      for (std::size_t a = 0; a < 3; ++a)
+        if (pair.geometry.isPinned[a]) coupling.axes[a] = {0, 0, 0};  // the row is empty, as in B
       couplings_.push_back(std::move(coupling));
       if (tied) tiedPairs_.push_back({pair.interface, pair.position, rows, pair.geometry});
       else pairs_.push_back({pair.interface, pair.position, rows[0], {rows[1], rows[2]}, pair.geometry});

@@ -154,7 +154,7 @@ class RowBuilder {
   void addTied(const ContactInterface& interface, const ContactPair& pair, int component) {
     constexpr double kRoundOff = 1e-12;
     std::array<double, 3> axis{0, 0, 0};
-    axis[component] = 1;
+    axis[component] = pair.isPinned[component] ? 0 : 1;
     double c = 0;
     addJump(pair, axis, c);
     if (rows.entries.size() > rows.offsets.back()) {
@@ -212,6 +212,7 @@ inline void addTiedRows(RowBuilder& builder, const std::vector<ContactInterface>
 }
 
 inline void addContactRows(RowBuilder& builder, const std::vector<ContactInterface>& interfaces, const std::vector<char>& frictional) {
+  const std::array<double, 3> none{0, 0, 0};
   auto& pairs = builder.rows.pairs;
   for (std::size_t k = 0; k < interfaces.size(); ++k)
     for (std::size_t i = 0; i < interfaces[k].pairs.size() && !interfaces[k].tied; ++i) {
@@ -223,7 +224,7 @@ inline void addContactRows(RowBuilder& builder, const std::vector<ContactInterfa
       if (!frictional[rows.interface]) continue;
       const ContactPair& pair = interfaces[rows.interface].pairs[rows.pair];
       rows.tangential[t] =
-          builder.addContact(RowKind::Tangential, pair, t == 0 ? pair.frame.t1 : pair.frame.t2, 0.0);
+          builder.addContact(RowKind::Tangential, pair, pair.isPinned[t + 1] ? none : t == 0 ? pair.frame.t1 : pair.frame.t2, 0.0);
     }
 }
 
