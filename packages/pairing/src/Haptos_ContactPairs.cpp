@@ -216,18 +216,20 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
   // n = -Normal: outward from the body, towards the obstacle
   const LocalFrame frame = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
   double best = -1.0;
-  const auto add = [&](std::size_t i, std::vector<NodeWeight> weights, double area) {
-    const auto fromPlane = Vec3::subtract(secondary.coordinates[i], spec.rigidPlane->point);
-    interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, -Vec3::dot(fromPlane, frame.normal), area});
+  const auto gapAt = [&](int node) {
+    return std::optional(-Vec3::dot(Vec3::subtract(secondary.coordinates[std::size_t(node)], spec.rigidPlane->point), frame.normal));
+  };
+  const auto add = [&](std::size_t i, std::vector<NodeWeight> weights, double gap, double area) {
+    interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, gap, area});
   };
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     best = std::max(best, Vec3::dot(secondary.normals[i], frame.normal));
-    if (!hasMiddles(secondary)) add(i, {{secondary.nodes[i], 1.0}}, secondary.areas[i]);
+    if (!hasMiddles(secondary)) add(i, {{secondary.nodes[i], 1.0}}, *gapAt(int(i)), secondary.areas[i]);
   }
   if (hasMiddles(secondary)) {
     interface.isMortar = true;
     for (const MortarRow& row : rowsOfWholeSurface(secondary, spec.multiplierSpace == MultiplierSpace::Linear))
-      add(std::size_t(row.node), onMesh(secondary, row.secondary), row.w);
+      add(std::size_t(row.node), onMesh(secondary, row.secondary), *gapOfRow(row, gapAt), row.w);
   }
   HAPTOS_REFUSE_IF(best <= 1e-6,
                    "Contact '" << spec.name << "': no face of side set '" << secondary.name

@@ -19,9 +19,17 @@ constexpr double kFarthestMove = 0.25;  // of the element size: elements stay re
 // From a node along its normal to the nearest face of the primary surface, either way.
 class PointwiseGap {
  public:
-  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary) : s_(secondary), p_(primary), tree_(primary) {}
+  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary)
+      : s_(secondary), p_(primary), tree_(primary), known_(secondary.numNodes()) {}
 
   std::optional<double> at(int node) {
+    auto& gap = known_[std::size_t(node)];
+    if (!gap) gap = measure(node);
+    return *gap;
+  }
+
+ private:
+  std::optional<double> measure(int node) {
     const auto i = std::size_t(node);
     const ProjectionPlane plane(s_.coordinates[i], s_.normals[i]);
     tree_.facetsNearLine(plane.origin, plane.normal, found_);
@@ -38,10 +46,10 @@ class PointwiseGap {
     return nearest;
   }
 
- private:
   const ContactSurface &s_, &p_;
   FacetTree tree_;
   std::vector<int> found_;
+  std::vector<std::optional<std::optional<double>>> known_;  // [secondary nodes]
 };
 
 // Rows of a pair, T1, T2 or by global axes, along which nodes of both sides are held, as at planes of symmetry.
@@ -108,6 +116,17 @@ void moveTiedNodes(const MortarDraft& draft, const std::vector<MortarRow>& rows,
 
 }  // namespace
 
+std::optional<double> gapOfRow(const MortarRow& row, const std::function<std::optional<double>(int)>& gapAt) {
+  double sum = 0, least = 0;
+  for (const auto& [node, weight] : row.secondary) {
+    const auto gap = gapAt(node);
+    if (!gap) return gapAt(row.node);
+    sum += weight * *gap;
+    least = std::min(least, *gap);
+  }
+  return std::max(sum, least);
+}
+
 bool hasMiddles(const ContactSurface& surface) {
   return std::any_of(surface.faces.begin(), surface.faces.end(), [](const SurfaceFace& face) { return !isLinear(face.size); });
 }
@@ -130,7 +149,7 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
   PointwiseGap gaps(s, draft.primary);
   for (const MortarRow& row : rows) {
     const auto i = std::size_t(row.node);
-    const auto pointwise = row.isShared ? std::nullopt : gaps.at(row.node);
+    const auto pointwise = row.isShared ? std::nullopt : gapOfRow(row, [&](int node) { return gaps.at(node); });
     ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(draft.primary, row.primary),
                      makeFrame(s.normals[i], draft.spec->principalDirection), 0.0, row.w};
     pair.gap = pointwise.value_or(Vec3::dot(row.gap, pair.frame.normal));

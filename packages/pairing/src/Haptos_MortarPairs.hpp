@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,13 +24,20 @@ bool hasMiddles(const ContactSurface& surface);  ///< whether it has quadratic f
 
 std::vector<NodeWeight> onMesh(const ContactSurface& surface, const std::vector<std::pair<int, double>>& entries);
 
+/// \brief What the row makes of pointwise gaps, as it does of displacements: sum D_jn g_n / w_j; the node's own where a gap is missing.
+///
+/// On closed curved faces u_n = g_n, and the row of a middle is (5 u_m - u_c1 - u_c2) / 3: with g_m alone it would stay open by
+/// kappa h^2 / 12, and corners would carry what middles do not.  Never below 0 and all g_n, so that surfaces that just touch are not pressed.
+/// \param gapAt of a secondary node (its position)
+std::optional<double> gapOfRow(const MortarRow& row, const std::function<std::optional<double>(int)>& gapAt);
+
 /// \brief Rows opposite a rigid obstacle.
 std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly);
 
 /// \brief Adds pairs, notes and moves of nodes to the interface.
 ///
-/// The gap is that of the node itself along its normal; the mean of the row where it stands for neighbours too, or where the normal
-/// meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
+/// The gap is that of the row's nodes along their normals (`gapOfRow`); the mean of the row where it stands for neighbours too, or where
+/// the normal meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
 /// are to be moved onto the primary surface, so that turning both bodies together costs no stress; not by more than a quarter of
 /// the element size, which is noted.
 void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface);

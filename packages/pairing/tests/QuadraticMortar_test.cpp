@@ -233,4 +233,39 @@ TEUCHOS_UNIT_TEST(QuadraticMortar, over_a_rigid_plane) {
   }
 }
 
+// A paraboloid that touches a plane with the middle of an edge: rows get the gaps that they make of those of the nodes, so that closed
+// rows mean u_n = g_n; but nothing is pressed from the start.
+TEUCHOS_UNIT_TEST(QuadraticMortar, gaps_of_curved_faces_are_those_of_the_rows) {
+  constexpr double kCurvature = 1e-3, kPlane = -0.2, kEdge = 2.0 / 7;
+  Stack stack = apart();
+  stack.upperMap = stack.lowerMap = nullptr;
+  stack.lowerTo[2] = kPlane;
+  const auto curve = [](const Point& x) {
+    if (x[2] < -1e-9) return x;
+    return Point{x[0], x[1], x[2] + kPlane + 0.5 * kCurvature * ((x[0] - 1) * (x[0] - 1) + (x[1] - 0.5) * (x[1] - 0.5))};
+  };
+  for (const Topology topology : kQuadratic)
+    for (const bool onPlane : {false, true}) {
+      const Mesh mesh = stackOf(Topology::Hex8, topology, stack, curve);
+      ContactSpec spec = contact();
+      spec.discretization = Discretization::Mortar;
+      spec.sides = ContactSides::AsGiven;
+      if (onPlane) {
+        spec.primarySideSet = "";
+        spec.rigidPlane = RigidPlane{{0, 0, kPlane}, {0, 0, 1}};
+      }
+      int others = 0, touching = 0;
+      const auto interface = buildContact(mesh, {spec})[0];
+      for (const auto& pair : interface.pairs) {
+        double sum = 0;
+        for (const auto& [node, weight] : pair.secondary) sum += weight * (mesh.coordinates[std::size_t(node)][2] - kPlane);
+        TEST_COMPARE(std::abs(pair.gap - std::max(sum, 0.0)), <=, 0.01 * kCurvature * kEdge * kEdge / 12);
+        others += std::abs(sum - (mesh.coordinates[std::size_t(pair.secondaryNode)][2] - kPlane)) > 0.1 * kCurvature * kEdge * kEdge / 12;
+        touching += sum < -1e-9;
+      }
+      TEST_EQUALITY(others >= 20, topology != Topology::Hex27);
+      TEST_EQUALITY(touching > 0, topology != Topology::Hex27);
+    }
+}
+
 }  // namespace
