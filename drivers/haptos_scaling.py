@@ -13,9 +13,11 @@ Studies (all without --study):
   ranks-weak         about 32 subdomains a rank
   subdomains-strong  one mesh in more and more subdomains, one rank
   subdomains-weak    more and more subdomains of the same size, one rank
+  ranks-metis        one mesh in METIS parts: work of the busiest rank, as a part of all
   formulas           1 to 64 ranks: messages, bytes and the coarse problem against the formulas of doc/scaling.md
 
 Prints a table and writes scaling.csv (and scaling_formulas.csv) to the folder; --draw adds scaling.svg (needs matplotlib).
+A cell with k = 0 is a mesh of p elements an edge in METIS parts.
 scaling.json has every run, repeated ones too: seconds of every phase by rank (min, mean, max), machine, MPI, BLAS, commit.
 Of repeated runs the fastest is in the table; efficiencies are seconds times ranks an unknown, against the first row of a study.
 Ranks beyond the processors are marked with *: their seconds mean nothing; their counts, bytes and memory do.
@@ -35,12 +37,14 @@ from haptos_scaling_run import Failure, Runner, batch_script, processors, read_c
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PHASES = ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover", "write", "total")
+SHARES = {"elements": ("local", "elements"), "factor_flops": ("local", "flops"), "factor_bytes_read": ("local", "bytes_read"),
+          "coarse_flops": ("coarse", "flops"), "coarse_entries_read": ("coarse", "entries_read")}
 COLUMNS = ("study", "k", "p", "ranks", "oversubscribed", "subdomains", "unknowns", "dual_unknowns", "method", "status",
            "multiplications", "preconditioner_applications", "reductions", "reductions_per_multiplication",
            "largest_reductions_of_a_step", "other_collectives", "messages", "mbytes_sent", "kbytes_sent_per_multiplication",
            "kbytes_of_jumps_per_multiplication", "coarse_unknowns", "coarse_factors", "coarse_set_ups", "coarse_set_up_seconds",
            "coarse_solve_seconds", "coarse_mbytes", "memory_mb", "bytes_per_unknown", *(f"{name}_seconds" for name in PHASES),
-           "runs", "median_total_seconds", "solve_efficiency", "total_efficiency")
+           *(f"{name}_share" for name in SHARES), "runs", "median_total_seconds", "solve_efficiency", "total_efficiency")
 FORMULA_COLUMNS = ("k", "p", "ranks", "quantity", "formula", "measured", "agrees")
 
 STUDIES = {  # (k, p, ranks)
@@ -48,11 +52,12 @@ STUDIES = {  # (k, p, ranks)
     "ranks-weak": [(2, 3, 1), (3, 3, 3), (4, 3, 8), (5, 3, 16)],
     "subdomains-strong": [(k, 12 // k, 1) for k in (1, 2, 3, 4, 6)],
     "subdomains-weak": [(k, 4, 1) for k in (1, 2, 3, 4, 5, 6)],
+    "ranks-metis": [(0, 24, r) for r in (1, 2, 8, 16, 64)],
     "formulas": [(2, 2, r) for r in (1, 2, 3, 4)] + [(4, 2, r) for r in (1, 2, 4, 8, 16, 32, 64)],
 }
 QUICK = {"ranks-strong": [(1, 2, r) for r in (1, 2)], "ranks-weak": [(1, 2, 1), (2, 2, 3)],
          "subdomains-strong": [(1, 4, 1), (2, 2, 1)], "subdomains-weak": [(1, 2, 1), (2, 2, 1)],
-         "formulas": [(1, 2, 2), (2, 2, 3)]}
+         "ranks-metis": [(0, 6, 1), (0, 6, 3)], "formulas": [(1, 2, 2), (2, 2, 3)]}
 
 
 class Parser(argparse.ArgumentParser):
@@ -105,6 +110,9 @@ def row_of(study, cell, runs, first, base_memory):
                coarse_mbytes=f"{(coarse['set_up_bytes'] + coarse['solve_bytes']) / 1e6:.4f}", memory_mb=f"{memory:.1f}",
                bytes_per_unknown=f"{max(0.0, memory - base_memory) * 2**20 / summary['model']['primal_unknowns']:.0f}")
     row.update({f"{name}_seconds": f"{time[name]:.4f}" for name in PHASES})
+    for name, (block, key) in SHARES.items():  # of the busiest rank, of all
+        everything = summary[block][f"{key}_all"]
+        row[f"{name}_share"] = f"{summary[block][key] / everything:.4f}" if everything else ""
     row.update(runs=len(runs), median_total_seconds=f"{statistics.median(run['time']['total'] for run in runs):.4f}")
     for phase in ("solve", "total"):  # seconds of ranks that wait for a processor tell nothing
         row[f"{phase}_efficiency"] = "" if oversubscribed else f"{efficiency(phase, summary, first):.3f}"
@@ -196,8 +204,8 @@ def check(options):
     if (options.quick or options.cell) and options.folder is None:
         raise Failure("--quick, --cell and --cells need a --folder, so that they do not replace the complete tables")
     for k, p, ranks in options.cell:
-        if min(k, p, ranks) < 1:
-            raise Failure(f"--cell {k} {p} {ranks}: subdomains per edge, elements per subdomain edge and ranks must be at least 1")
+        if k < 0 or min(p, ranks) < 1:
+            raise Failure(f"--cell {k} {p} {ranks}: subdomains per edge (0: METIS parts), elements per subdomain edge and ranks must be positive")
     if options.time_limit <= 0:
         raise Failure(f"--time-limit {options.time_limit:g}: must be positive")
     if options.repeat < 1:
@@ -232,7 +240,7 @@ def chosen_studies(options):
 
 
 def run(options, studies):
-    compared = studies.get("formulas") or studies.get("cells") or []
+    compared = [cell for cell in studies.get("formulas") or studies.get("cells") or [] if cell[0] > 0]
     tables = {name: cells for name, cells in studies.items() if name != "formulas"}
     runner = Runner(options)
     try:

@@ -9,7 +9,7 @@ import subprocess
 import sys
 import tempfile
 
-KEPT = ("haptos", "machine", "model", "time", "time_over_ranks", "memory", "coarse", "communication")  # of a summary, in scaling.json
+KEPT = ("haptos", "machine", "model", "time", "time_over_ranks", "memory", "local", "coarse", "communication")  # of a summary, in scaling.json
 COUNTED = ("reductions", "other_collectives", "messages", "bytes_sent")
 
 
@@ -66,7 +66,9 @@ class Runner:
         return [{"k": k, "p": p, **{name: run[name] for name in KEPT}} for (k, p, _), runs in self.known.items() for run in runs]
 
     def command(self, k, p, ranks, path):
-        settings = [f"Mesh->Two Beams->Subdomains Per Edge={k}", f"Mesh->Two Beams->Elements Per Subdomain Edge={p}", "Output->File="]
+        settings = [f"Mesh->Two Beams->Subdomains Per Edge={max(k, 1)}", f"Mesh->Two Beams->Elements Per Subdomain Edge={p}", "Output->File="]
+        if k == 0:
+            settings.append("Decomposition->Method=METIS")
         command = [*shlex.split(self.options.launcher), "-n", str(ranks), self.options.haptos, self.options.input, "--summary", str(path)]
         for text in settings + self.options.set:
             command += ["--set", text]

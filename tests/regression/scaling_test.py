@@ -33,7 +33,7 @@ class Scaling(unittest.TestCase):
         return list(csv.DictReader((self.folder / name).read_text().splitlines()))
 
     def test_table_and_formulas(self):
-        cells = [(1, 2, 1), (2, 2, 3), (2, 1, 8)]
+        cells = [(1, 2, 1), (2, 2, 3), (2, 1, 8), (0, 6, 2)]
         arguments = [word for cell in cells for word in ("--cell", *cell)]
         done = self.run_driver(*arguments, "--folder", self.folder)
         self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
@@ -47,6 +47,9 @@ class Scaling(unittest.TestCase):
             self.assertEqual(int(row["oversubscribed"]), int(int(row["ranks"]) > os.cpu_count()))
             self.assertGreater(float(row["total_seconds"]), 0)
             self.assertEqual(bool(row["total_efficiency"]), row["oversubscribed"] == "0")
+            for name in ("elements", "factor_bytes_read") if row["k"] == "0" else ("elements",):  # bricks share factors
+                share = float(row[f"{name}_share"]) * int(row["ranks"])
+                self.assertTrue(0.999 <= share <= (1.3 if int(row["ranks"]) < 8 else 2), (name, row))
         self.assertEqual(float(rows[0]["solve_efficiency"]), 1)
         marked = [line for line in done.stdout.splitlines() if line.startswith("   8*")]
         self.assertEqual(len(marked), int(os.cpu_count() < 8), done.stdout)
@@ -151,7 +154,7 @@ class Scaling(unittest.TestCase):
         wrong.write_text("1 1 1\n2 1\n")
         empty.write_text("# nothing\n")
         for arguments, part in (
-                (["--cell", 0, 2, 2, "--folder", self.folder], "--cell 0 2 2"),
+                (["--cell", 1, 0, 2, "--folder", self.folder], "--cell 1 0 2"),
                 (["--cell", 1, 2, "x", "--folder", self.folder], "invalid int value: 'x'"),
                 (["--study", "nothing"], "invalid choice: 'nothing'"),
                 (["--quick"], "--quick, --cell and --cells need a --folder"),

@@ -25,6 +25,8 @@ KEYS = {
     "time_over_ranks": {name: {"min": NUMBER, "mean": NUMBER, "max": NUMBER} for name in ("read", "solve", "total")},
     "memory": {"peak_rss_mb": list, "over_ranks": {"peak_rss_mb": {"min": NUMBER, "mean": NUMBER, "max": NUMBER}}},
     "machine": {"host": str, "hosts": COUNT, "processors": COUNT, "processor": str, "mpi": str, "blas": str, "trilinos": str, "compiler": str},
+    "local": {name: NUMBER for name in ("elements", "elements_all", "factor_entries", "factor_entries_all", "flops", "flops_all", "bytes_read",
+                                        "bytes_read_all")},
     "coarse": {"unknowns": COUNT, "factors": COUNT, "blocks": COUNT, "factor_entries": COUNT, "factor_entries_all": COUNT,
                "between": COUNT, "last": COUNT, "flops": NUMBER, "flops_all": NUMBER, "entries_read": NUMBER, "entries_read_all": NUMBER, "set_ups": COUNT,
                "set_up_seconds": NUMBER, "solves": COUNT, "solve_seconds": NUMBER, "solve_bytes": COUNT},
@@ -78,6 +80,22 @@ class Summary(SceneTest):
             self.assertGreater(len(summary["solver"]["history"]), 0)
             for entry in summary["solver"]["history"]:
                 self.assert_keys(entry, HISTORY)
+
+    def test_work_of_subdomains(self):
+        """All ranks together have the elements and, where no subdomains are alike, the factors of one."""
+        arguments = [haptos_runs.INPUTS / "table31.xml", "--set", "Decomposition->Method=METIS", "--set", "Output->File=", "--summary", "summary.json",
+                     "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=4"]
+        found = []
+        for ranks in (1, 3):
+            self.assertEqual(run_haptos(arguments, folder=self.folder, ranks=ranks).status, 0)
+            found.append(self.summary()["local"])
+        one, three = found
+        self.assertEqual(one["elements"], 2048)
+        for name in ("elements", "factor_entries", "flops"):
+            self.assertEqual(one[name], one[name + "_all"])
+            self.assertEqual(three[name + "_all"], one[name + "_all"])
+            self.assertTrue(1 / 3 <= three[name] / three[name + "_all"] < 0.5)
+        self.assertGreater(one["bytes_read"], 100 * one["factor_entries"])
 
     def test_nobody_stands_between_the_program_and_its_mpi(self):
         """Calls of MPI are counted by a program of its own; the other numbers are the same."""

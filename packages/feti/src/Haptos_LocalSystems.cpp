@@ -123,6 +123,7 @@ void LocalSystems::findClasses() {
     systems_[i].congruenceClass = found;
     members_[found].push_back(i);
   }
+  blocks_.assign(representative_.size(), 0);
 }
 
 void LocalSystems::factor(LocalSolverMethod method) {
@@ -240,6 +241,19 @@ int LocalSystems::numCondensed() const {
   return count;
 }
 
+FactorWork LocalSystems::work() const {
+  FactorWork all;
+  for (int c = 0; c < numClasses(); ++c)
+    if (const auto* dense = condensationOf(c)) {
+      const auto own = dense->work();
+      all += {own.flops, own.inverseBytes / double(sizeof(double)), double(blocks_[c]) * own.inverseBytes};
+    } else if (!solvers_.empty()) {
+      const FactorWork own = solvers_[c]->work();
+      all += {own.flops, own.entries, double(blocks_[c]) * own.bytesRead};
+    }
+  return all;
+}
+
 const char* LocalSystems::methodName() const {
   for (const auto& solver : solvers_)
     if (solver) return solver->methodName();
@@ -256,6 +270,7 @@ void LocalSystems::solveClass(int c, const std::vector<std::size_t>& offsets, co
     for (int j = 0; j < width; ++j) B.col(j) = Eigen::Map<const Eigen::VectorXd>(f + offsets[members[first + j]], n);
     if (const auto* condensed = condensationOf(c)) condensed->solve(B, X);
     else solvers_[c]->solve(B, X);
+    ++blocks_[c];
     for (int j = 0; j < width; ++j) Eigen::Map<Eigen::VectorXd>(u + offsets[members[first + j]], n) = X.col(j);
     localSolves_ += width;
   }
@@ -274,6 +289,7 @@ void LocalSystems::multiplyClass(int c, const std::vector<std::size_t>& offsets,
       for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = from[dofs[i]];
     }
     condensed_[c]->applyInverse(X, Y);
+    ++blocks_[c];
     for (int j = 0; j < width; ++j) {
       double* to = u + offsets[members[first + j]];
       for (Eigen::Index i = 0; i < nb; ++i) to[dofs[i]] = Y(i, j);

@@ -88,6 +88,8 @@ class LocalSystems {
   long factorizations() const { return factorizations_; }  ///< matrices factored or condensed so far
   /// \brief Vectors that went through a K^+ so far, those of the dense matrices' construction among them.
   long localSolves() const { return localSolves_; }
+  /// \brief Of the factors of K, or of dense matrices (without S); bytes: of all solves so far.
+  FactorWork work() const;
 
  private:
   std::shared_ptr<const SubdomainStiffness> source_;
@@ -106,6 +108,7 @@ class LocalSystems {
   double denseBytes_ = 0;
   long factorizations_ = 0;
   mutable long localSolves_ = 0;
+  mutable std::vector<long> blocks_;  // [classes] of right-hand sides so far: a factor, or dense matrix, is read once a block
 };
 
 }  // namespace Haptos

@@ -49,6 +49,17 @@ void SurfaceOperators::apply(int congruenceClass, const Eigen::MatrixXd& X, Eige
   const Class& c = classes_[congruenceClass];
   if (c.condensed) c.condensed->applySchur(X, Y);
   else c.schur->apply(X, Y);
+  ++c.applications;
+}
+
+FactorWork SurfaceOperators::work() const {
+  FactorWork all;
+  for (const Class& c : classes_) {
+    const double dense = c.condensed ? c.condensed->work().schurBytes : 0;
+    const FactorWork own = c.condensed ? FactorWork{0, dense / double(sizeof(float)), dense} : c.schur->work();
+    all += {own.flops, own.entries, double(c.applications) * own.bytesRead};
+  }
+  return all;
 }
 
 Eigen::MatrixXd SurfaceOperators::block(int congruenceClass, const std::vector<int>& c) const {

@@ -37,6 +37,8 @@ class SurfaceOperators {
   /// \brief Estimate of diag(S) from K_bb [boundary], the mean of a node's three: exact it costs a solve for every unknown and
   /// serves no better.
   const Eigen::VectorXd& diagonal(int congruenceClass) const { return classes_[congruenceClass].diagonal; }
+  /// \brief Of the factors of K_ii, or of a dense S, whose making is in LocalSystems::work; bytes: of all applications so far.
+  FactorWork work() const;
 
  private:
   struct Class {
@@ -45,6 +47,7 @@ class SurfaceOperators {
     const DenseSurfaceMatrices* condensed = nullptr;  // of the systems
     std::unique_ptr<SurfaceSchur> schur;             // null where condensed
     bool isDouble = false;
+    mutable long applications = 0;
   };
   PreconditionerKind kind_;
   LocalSolverMethod method_;

@@ -106,6 +106,9 @@ TEUCHOS_UNIT_TEST(LocalSystems, CongruentSubdomainsAreSolvedTogether) {
   MultiVector u(map, 2);
   systems.applyPseudoInverse(offsets, *scatteredColumns(map, f), u);
   TEST_EQUALITY(systems.localSolves(), 8L);
+  const FactorWork work = systems.work();
+  TEST_ASSERT(work.entries > 0);
+  TEST_EQUALITY(work.bytesRead, 2 * 16 * work.entries);  // each factor forward and backward, once a vector, whatever its members
   const auto K = denseStiffness(scene);
   for (std::size_t s = 0; s < K.size(); ++s) {
     const Dense reference = densePseudoInverse(K[s]) * f.middleRows(Eigen::Index(offsets[s]), K[s].rows());

@@ -40,6 +40,8 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   CholmodSolver& operator=(const CholmodSolver&) = delete;
 
   /// \brief Lets A go after `numericFactorization`; only solves are possible then.
+  double flops() const { return flops_; }    ///< of the numeric factorisation
+  bool isSingle() const { return isSuper_ && single_; }
   void releaseMatrix() {
     this->matrixA_ = Teuchos::null;
     starts_ = {};
@@ -76,6 +78,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   void freeWorkspaces() const;
 
   mutable cholmod_common common_;
+  double flops_ = 0;
   cholmod_factor* factor_ = nullptr;  // symbolic only while one of the two below has L
   bool isSuper_ = false;              // one of the two below has L
   SupernodalFactor<double> inDouble_;
@@ -210,6 +213,7 @@ int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   TEUCHOS_TEST_FOR_EXCEPTION(factor_ == nullptr, std::runtime_error,
                              "CHOLMOD: the symbolic factorisation of " << a.nrow << " unknowns failed with status "
                                                                        << common_.status << " (-2: out of memory)");
+  flops_ = common_.fl;
   return 0;
 }
 

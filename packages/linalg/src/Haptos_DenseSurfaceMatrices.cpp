@@ -117,6 +117,12 @@ void DenseSurfaceMatrices::requireAccuracy(const SparseMatrix& K) const {
 }
 
 // Factor of K_ii, L_ii^-1 K_ib, its products, the inverse on b; S in single, P in double precision, L_ii for right-hand sides inside.
+DenseSurfaceMatrices::Work DenseSurfaceMatrices::work() const {
+  const Index nb = Index(boundary_.size());
+  return {cost(double(boundary_.size() + interior_.size()), double(nb), 1).flops,
+          double(DenseSymmetric::bytes(nb, storage_, Precision::Double)), double(DenseSymmetric::bytes(nb, storage_, Precision::Single))};
+}
+
 DenseSurfaceMatrices::Cost DenseSurfaceMatrices::cost(double n, double nb, std::size_t members) {
   const double ni = n - nb;
   const Storage storage = storageFor(members);

@@ -45,6 +45,12 @@ class DenseSurfaceMatrices {
   /// X := K^+ B, [n x m], for right-hand sides on all unknowns.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
+  /// \brief Bytes: of one product with each of the two.
+  struct Work {
+    double flops, inverseBytes, schurBytes;
+  };
+  Work work() const;
+
   /// \brief Floating point operations of the construction and bytes kept, for n unknowns with nb on the boundary.
   struct Cost {
     double flops;

@@ -49,6 +49,7 @@ class LocalSolver {
   LocalSolverFactor::MatrixView regularized() const;  ///< K_reg, valid as long as this object
   const char* methodName() const;                ///< "CHOLMOD" or "KLU2"
   std::size_t factorEntries() const;             ///< of L for CHOLMOD, of L and U for KLU2
+  FactorWork work() const { return factor_.work(); }  ///< bytes: of one block of right-hand sides
   LocalSolverFactor::Counts counts() const;      ///< phases run, one solve counted by the construction's check
 
  private:

@@ -164,6 +164,18 @@ const char* LocalSolverFactor::methodName() const { return impl_->cholmod ? "CHO
 
 std::size_t LocalSolverFactor::factorEntries() const { return impl_->solver->getStatus().getNnzLU(); }
 
+FactorWork LocalSolverFactor::work() const {
+  const double entries = double(factorEntries());
+  FactorWork work{0, entries, 2 * entries * double(sizeof(double))};
+#ifdef HAPTOS_HAVE_CHOLMOD
+  const auto own = Teuchos::rcp_dynamic_cast<CholmodSolver<CrsMatrix, MultiVector>>(impl_->solver);
+  if (own.is_null()) return work;
+  work.flops = own->flops();
+  if (own->isSingle()) work.bytesRead /= 2;
+#endif
+  return work;
+}
+
 LocalSolverFactor::Counts LocalSolverFactor::counts() const {
   const auto& status = impl_->solver->getStatus();
   return {status.getNumSymbolicFact(), status.getNumNumericFact(), status.getNumSolve()};

@@ -14,6 +14,20 @@ enum class FactorPrecision { Double, Single };
 /// Whether this build can factor by CHOLMOD.
 bool hasCholmod();
 
+/// \brief What factors cost: multiplications to make them, entries kept, bytes that solves read.
+struct FactorWork {
+  double flops = 0;  ///< as CHOLMOD counts them; 0 of others
+  double entries = 0;
+  double bytesRead = 0;  ///< of one solve, forward and backward, or of all solves so far
+
+  FactorWork& operator+=(const FactorWork& other) {
+    flops += other.flops;
+    entries += other.entries;
+    bytesRead += other.bytesRead;
+    return *this;
+  }
+};
+
 /// \brief Factor of one symmetric positive definite sparse matrix A [n x n] on this process, by Amesos2.
 ///
 /// Keeps A (both triangles stored).  Amesos2 and Tpetra stay behind this class.  No function communicates.
@@ -47,6 +61,7 @@ class LocalSolverFactor {
   MatrixView matrix() const;          ///< A, valid until it is released
   const char* methodName() const;     ///< "CHOLMOD" or "KLU2"
   std::size_t factorEntries() const;  ///< stored entries: of L for CHOLMOD, of L and U for KLU2
+  FactorWork work() const;            ///< bytes: of one solve
   Counts counts() const;
 
  private:

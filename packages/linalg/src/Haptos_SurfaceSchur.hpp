@@ -47,6 +47,9 @@ class SurfaceSchur {
   /// S itself, nb x nb, exactly symmetric; costs nb solves with K_ii, done in blocks.
   Eigen::MatrixXd dense() const;
 
+  /// \brief Of the factor of K_ii; bytes: of one `apply`.
+  FactorWork work() const { return interior_ ? interior_->work() : FactorWork{}; }
+
   Eigen::Index interiorKernelSize() const;  ///< dimension of the kernel of K_ii; 0 unless b does not hold i
 
  private:

@@ -217,6 +217,19 @@ TEUCHOS_UNIT_TEST(LocalSolver, DefiniteMatrixNeedsNoKernel) {
   }
 }
 
+// A column of c entries below and on the diagonal takes c^2 multiplications.
+TEUCHOS_UNIT_TEST(LocalSolverFactor, CountsItsWork) {
+  const int n = 150;  // few enough would stay a simplicial factor, in double
+  const Dense A = 40.0 * Dense::Identity(n, n) + Dense::Ones(n, n);
+  for (const auto precision : {FactorPrecision::Double, FactorPrecision::Single}) {
+    const LocalSolverFactor factor(A.sparseView(), LocalSolverMethod::Automatic, precision);
+    const FactorWork work = factor.work();
+    TEST_COMPARE(work.entries, >=, n * (n + 1) / 2);
+    TEST_EQUALITY(work.flops, hasCholmod() ? n * (n + 1.0) * (2 * n + 1) / 6 : 0.0);
+    TEST_EQUALITY(work.bytesRead, (hasCholmod() && precision == FactorPrecision::Single ? 8 : 16) * work.entries);
+  }
+}
+
 /// Stiff inclusions, E 1e8 times the rest.  The backward error of every single row, also the soft ones, after Oettli
 /// and Prager: |B - K X| over |K| |X| + |B|.
 TEUCHOS_UNIT_TEST(LocalSolver, StiffnessContrastKeepsEveryRowAccurate) {

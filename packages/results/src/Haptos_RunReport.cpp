@@ -115,6 +115,18 @@ Json machineBlock(const Machine& machine) {
           {"mpi", machine.mpi}, {"blas", machine.blas}, {"trilinos", machine.trilinos}, {"compiler", machine.compiler}};
 }
 
+// Bytes of right-hand sides, stiffnesses and rows are not in it.
+Json localBlock(const LocalReport& local) {
+  return {{"elements", (long long)(local.elements.most)},
+          {"elements_all", (long long)(local.elements.all)},
+          {"factor_entries", (long long)(local.factorEntries.most)},
+          {"factor_entries_all", (long long)(local.factorEntries.all)},
+          {"flops", local.flops.most},
+          {"flops_all", local.flops.all},
+          {"bytes_read", local.bytesRead.most},
+          {"bytes_read_all", local.bytesRead.all}};
+}
+
 // Set-up apart from solves: the one is paid once a matrix, the other in every iteration.
 Json coarseBlock(const CoarseReport& coarse) {
   return {{"unknowns", coarse.unknowns},
@@ -206,6 +218,7 @@ std::string summaryJson(const RunReport& report) {
                   {"time_over_ranks", timeOverRanksBlock(report.times)},
                   {"memory", memoryBlock(report.memory)},
                   {"machine", machineBlock(report.machine)},
+                  {"local", localBlock(report.local)},
                   {"coarse", coarseBlock(report.coarse)}};
   if (report.communication.isCounted) summary["communication"] = communicationBlock(report);
   return textOf(summary);

@@ -40,23 +40,31 @@ struct SolverReport {
   std::vector<HistoryEntry> history;
 };
 
+/// \brief Of the busiest rank, and of all together.
+struct WorkOverRanks {
+  double most = 0, all = 0;
+};
+
 /// \brief The coarse matrices of a run: G G^T and those of the method.  Largest of the ranks; calls are those of rank 0.
 struct CoarseReport {
   long unknowns = 0;            ///< of one matrix
   int factors = 0;              ///< ranks that hold one; 1 where all ranks share it
   long setUps = 0, solves = 0;  ///< matrices made, right-hand sides
   long blocks = 0;              ///< 6 x 6, lower triangle, of G G^T
-  /// \brief Of the busiest rank, and of all together.
-  struct Work {
-    double most = 0, all = 0;
-  };
-  Work factorEntries;  ///< of the largest factor or share of one
-  Work flops;          ///< multiplications in factors; 0 where nothing is condensed or shared
-  Work entriesRead;    ///< of factors in all solves
+  WorkOverRanks factorEntries;  ///< of the largest factor or share of one
+  WorkOverRanks flops;          ///< multiplications in factors; 0 where nothing is condensed or shared
+  WorkOverRanks entriesRead;    ///< of factors in all solves
   long between = 0, last = 0;  ///< unknowns that groups of one rank eliminate, the most of any; all ranks, last: 0 where nothing is shared
   double setUpSeconds = 0, solveSeconds = 0;
   long setUpReductions = 0, solveReductions = 0;                          ///< 0 where nothing counts, as below
   long long setUpBytes = 0, setUpMessageBytes = 0, solveBytes = 0;
+};
+
+/// \brief Work on subdomains.
+struct LocalReport {
+  WorkOverRanks elements;
+  WorkOverRanks factorEntries, flops;  ///< of K and K_ii, or of dense matrices
+  WorkOverRanks bytesRead;             ///< of those, in all solves and applications
 };
 
 /// \brief What B and B^T sent, the most part of the messages of an iteration.
@@ -79,6 +87,7 @@ struct RunReport {
   PhaseTimes times;
   MemoryReport memory;
   Machine machine;
+  LocalReport local;
   CoarseReport coarse;
   JumpReport jump;
   CommunicationReport communication;

@@ -4,8 +4,10 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <array>
 
 #include "Haptos_CommandLine.hpp"
+#include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_Format.hpp"
@@ -14,6 +16,8 @@
 #include "Haptos_ParameterValidation.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RowGram.hpp"
+#include "Haptos_Subdomain.hpp"
+#include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos {
 namespace {
@@ -80,6 +84,16 @@ CoarseReport measureCoarse(const CoarsePlacement& placement, int unknowns) {
   report.setUpMessageBytes = (long long)(largest[5]);
   report.blocks = long(largest[6]);
   return report;
+}
+
+LocalReport measureLocal(const FetiSystem& feti, const std::vector<Subdomain>& subdomains, const Communicator& comm) {
+  double elements = 0;
+  for (const auto& subdomain : subdomains) elements += double(subdomain.elements.size());
+  FactorWork work = feti.systems().work();
+  if (!feti.preconditioner().is_null()) work += feti.preconditioner()->surface().work();
+  const std::array<double, 4> mine = {elements, work.entries, work.flops, work.bytesRead};
+  const auto most = largestOfAll(comm, mine), all = sumOfAll(comm, mine);
+  return {{most[0], all[0]}, {most[1], all[1]}, {most[2], all[2]}, {most[3], all[3]}};
 }
 
 JumpReport measureJump(const JumpOperator& B, const Communicator& comm) {
@@ -220,6 +234,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   s.localSolves = sumOfAll(*comm_, feti.systems().localSolves());
   report_.coarse = measureCoarse(*feti.dual().GGT->placement(), feti.kernelDimension());
   report_.jump = measureJump(feti.jump(), *comm_);
+  report_.local = measureLocal(feti, model_->subdomains, *comm_);
 
   SimulationResult result;
   result.solved = step.solved;
