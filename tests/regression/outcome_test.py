@@ -197,7 +197,7 @@ class NotConverged(SceneTest):
         accuracy, reason = summary["accuracy"], summary["solver"]["reason"]
         worst = max((key for key in accuracy if key not in ("kkt", "tolerance", "round_off_floor")), key=accuracy.get)
         self.assertIn(f"largest error: {worst} = {accuracy['kkt']:.2e} ", reason)
-        place = {"equilibrium": r" in body '(lower|upper)'", "continuity": r" at node \d+"}
+        place = {"equilibrium": r" in body '(lower|upper)'", "continuity": r" at node \d+", "field_equilibrium": r" at node \d+"}
         self.assertRegex(reason, place.get(worst, r" at node \d+ of interface 'joint'"))
 
     def test_round_off_floor(self):

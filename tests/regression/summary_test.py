@@ -16,7 +16,7 @@ KEYS = {
                "preconditioner_applications": COUNT, "coarse_solves": COUNT, "local_solves": COUNT, "history": list,
                "deflation": {"motions": COUNT, "applications": COUNT},
                "subspace": {"pairs": COUNT, "compressions": COUNT, "memory_mb": NUMBER}},
-    "accuracy": {name: NUMBER for name in ("equilibrium", "continuity", "penetration", "compression",
+    "accuracy": {name: NUMBER for name in ("equilibrium", "field_equilibrium", "continuity", "penetration", "compression",
                                            "complementarity", "cone", "slip_law", "kkt")},
     "contact": {"joint": {"normal_force": NUMBER, "tangential_force": list, "stick": COUNT, "slip": COUNT,
                           "open": COUNT, "max_pressure": NUMBER}},

@@ -128,7 +128,8 @@ void addGroup(const Coordinates& coordinates, const ElementGroup& group, const E
   }
 }
 
-// K u element by element by way of stresses: it shares nothing with the assembled K but the gradients.
+// K u element by element by way of stresses: it shares nothing with the assembled K but the gradients.  Where nothing moves there
+// is nothing to do: corrections of an answer live near the surfaces of subdomains.
 template <class Shape>
 void applyGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
                 Formulation formulation, const Eigen::Ref<const Eigen::VectorXd>& u,
@@ -138,6 +139,7 @@ void applyGroup(const Coordinates& coordinates, const ElementGroup& group, const
   for (int e = 0; e < group.numElements(); ++e) {
     const int* nodes = group.nodes(e);
     for (int a = 0; a < n; ++a) local.template segment<3>(3 * a) = u.segment<3>(3 * nodes[a]);
+    if ((local.array() == 0).all()) continue;
     const auto force =
         elementForce<Shape>(elementGradients<Shape>(coordinates, group, e), moduli, formulation, local);
     for (int a = 0; a < n; ++a) Ku.segment<3>(3 * nodes[a]) += force.template segment<3>(3 * a);

@@ -124,7 +124,8 @@ TEUCHOS_UNIT_TEST(StiffnessAssembler, InvertedElementStopsAssembly) {
   auto solid = makeSolid(Topology::Hex8, {2, 1, 1});
   std::swap(solid.groups[0].connectivity[9], solid.groups[0].connectivity[11]);
   TEST_THROW(assembleStiffness(solid.coordinates, solid.groups, steel(), Formulation::Standard), InputError);
-  Eigen::VectorXd u = Eigen::VectorXd::Zero(36), ku(36);
+  const Eigen::VectorXd u = someVector(36);
+  Eigen::VectorXd ku(36);
   TEST_THROW(applyStiffness(solid.coordinates, solid.groups, steel(), Formulation::Standard, u, ku),
              InputError);
 }

@@ -56,10 +56,11 @@ void forEachPair(const ContactLaw& law, const Vector& lambda, const Vector& s, V
 
 }  // namespace
 
-double KktErrors::kkt() const { return std::max({equilibrium, continuity, largestOf(*this)}); }
+double KktErrors::kkt() const { return std::max({equilibrium, fieldEquilibrium, continuity, largestOf(*this)}); }
 
 std::string KktErrors::worst() const {
-  const std::pair<double, const char*> all[] = {{equilibrium, "equilibrium"}, {continuity, "continuity"},
+  const std::pair<double, const char*> all[] = {{equilibrium, "equilibrium"}, {fieldEquilibrium, "field_equilibrium"},
+                                                {continuity, "continuity"},
                                                 {penetration, "penetration"}, {compression, "compression"},
                                                 {complementarity, "complementarity"}, {cone, "cone"}, {slipLaw, "slip_law"}};
   return std::max_element(std::begin(all), std::end(all), [](auto& a, auto& b) { return a.first < b.first; })->second;

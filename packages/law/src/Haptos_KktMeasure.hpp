@@ -10,6 +10,7 @@ namespace Haptos {
 /// \brief Dimensionless errors of the contact conditions and of equilibrium; 0 where there are no data.
 struct KktErrors {
   double equilibrium = 0;      ///< || f - K u - B^T lambda ||_2 / ext
+  double fieldEquilibrium = 0; ///< || f - sum over copies of K v - contact forces ||_2 / ext, v the displacements that are written
   double continuity = 0;       ///< largest difference of copies, or to a prescribed value, / u_ref
   double penetration = 0;      ///< max (N u - d)+ / u_ref
   double compression = 0;      ///< max (-lambda_N)+ / l_ref

@@ -67,7 +67,7 @@ Json solverBlock(const SolverReport& solver) {
 // All parts of kkt, so that the largest can be told from the others.
 Json accuracyBlock(const RunReport& report) {
   const KktErrors& e = report.accuracy.errors;
-  return {{"equilibrium", e.equilibrium}, {"continuity", e.continuity},
+  return {{"equilibrium", e.equilibrium}, {"field_equilibrium", e.fieldEquilibrium}, {"continuity", e.continuity},
           {"penetration", e.penetration}, {"compression", e.compression},
           {"complementarity", e.complementarity}, {"cone", e.cone},
           {"slip_law", e.slipLaw}, {"kkt", e.kkt()},

@@ -52,21 +52,14 @@ Continuity measureContinuity(const AccuracyInput& model, const Vector& u) {
   return {most[0], most[1], most[0] > 0 ? node : -1};
 }
 
-// Squared norm of f - K u - B^T lambda for every body.
-std::vector<double> measureResidual(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
-  Vector residual(*model.step.f, Teuchos::Copy);
-  model.jump.apply(lambda, residual, Teuchos::TRANS, -1.0, 1.0);
-  const auto r = residual.getData(0), x = u.getData(0);
+// Squared norm of the residual for every body.
+std::vector<double> squaresOfBodies(const AccuracyInput& model, const Vector& residual) {
+  const auto r = residual.getData(0);
   std::vector<double> mine(std::size_t(model.numBodies), 0.0);
-  for (std::size_t i = 0; i < model.bodies.size(); ++i) {
-    const auto offset = model.jump.primalOffsets()[i];
-    const Eigen::Index n = Eigen::Index(model.jump.primalOffsets()[i + 1] - offset);
-    const Eigen::Map<const Eigen::VectorXd> ui(x.getRawPtr() + offset, n), ri(r.getRawPtr() + offset, n);
-    Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
-    model.systems.source().multiply(int(i), ui, Ku);
-    mine[std::size_t(model.bodies[i])] += (ri - Ku).squaredNorm();
-  }
-  return sumOfAll(*u.getMap()->getComm(), mine);
+  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+    for (std::size_t k = model.jump.primalOffsets()[i]; k < model.jump.primalOffsets()[i + 1]; ++k)
+      mine[std::size_t(model.bodies[i])] += r[Teuchos::Ordinal(k)] * r[Teuchos::Ordinal(k)];
+  return sumOfAll(*residual.getMap()->getComm(), mine);
 }
 
 // Largest jump over tied rows.
@@ -80,6 +73,19 @@ double measureTied(const MultiplierMap& multipliers, const Vector& s) {
 }
 
 }  // namespace
+
+// x -= K u, subdomain by subdomain.
+void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x) {
+  const auto displacement = u.getData(0);
+  const auto force = x.getDataNonConst(0);
+  const auto& offsets = model.jump.primalOffsets();
+  for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
+    const Eigen::Index n = Eigen::Index(offsets[i + 1] - offsets[i]);
+    Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
+    model.systems.source().multiply(int(i), Eigen::Map<const Eigen::VectorXd>(displacement.getRawPtr() + offsets[i], n), Ku);
+    Eigen::Map<Eigen::VectorXd>(force.getRawPtr() + offsets[i], n) -= Ku;
+  }
+}
 
 // Of nodes, not of copies: how a load is shared among copies must not matter.
 LoadScales measureLoads(const NodalGather& gather, const MultiVector& f, const Communicator& comm) {
@@ -130,11 +136,18 @@ double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>
   return std::numeric_limits<double>::epsilon() * std::sqrt(sumOfAll(*u.getMap()->getComm(), mine));
 }
 
+RCP<Vector> residualOf(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
+  auto residual = Teuchos::rcp(new Vector(*model.step.f, Teuchos::Copy));
+  model.jump.apply(lambda, *residual, Teuchos::TRANS, -1.0, 1.0);
+  subtractForces(model, u, *residual);
+  return residual;
+}
+
 // From u and lambda alone: nothing that a method believes of its own convergence goes in.
-Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda) {
+Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda, const Vector& residual) {
   const Continuity continuity = measureContinuity(model, u);
   const LoadScales reactions = measureReactions(model.jump.multipliers(), lambda);
-  const auto residual = measureResidual(model, u, lambda);
+  const auto squares = squaresOfBodies(model, residual);
   Vector s(*model.step.c, Teuchos::Copy);
   model.jump.apply(u, s, Teuchos::NO_TRANS, 1.0, -1.0);  // s = B u - c
 
@@ -142,19 +155,29 @@ Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vect
   result.scales = {continuity.largest, std::max(model.loads.largest, reactions.largest)};
   result.ext = std::max(model.loads.norm, reactions.norm);
   result.errors = measureContact(model.law, lambda, s, result.scales);
-  const double imbalance = std::sqrt(std::accumulate(residual.begin(), residual.end(), 0.0));
+  const double imbalance = std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
   result.errors.equilibrium = ratio(imbalance, result.ext);
   result.errors.continuity = ratio(std::max(continuity.difference, measureTied(model.jump.multipliers(), s)), continuity.largest);
   const double roundOff = roundOffForce(model.systems, model.jump.primalOffsets(), u);
   result.floor = ratio(roundOff, result.ext);
   const double contact = contactForceScale(model.law, lambda, 0);
-  if (isWithoutForce(model.loads, std::max({result.ext, imbalance, contact}), roundOff)) {  // no force: nothing to compare with
+  result.withoutForce = isWithoutForce(model.loads, std::max({result.ext, imbalance, contact}), roundOff);
+  if (result.withoutForce) {  // nothing to compare with
     KktErrors& e = result.errors;
     e.equilibrium = e.compression = e.complementarity = e.cone = e.slipLaw = result.floor = 0;
   }
-  if (!residual.empty()) result.residualBody = int(std::max_element(residual.begin(), residual.end()) - residual.begin());
+  if (!squares.empty()) result.residualBody = int(std::max_element(squares.begin(), squares.end()) - squares.begin());
   result.differenceNode = continuity.node;
   return result;
+}
+
+void measureContactOf(const AccuracyInput& model, const Vector& v, const Vector& lambda, Accuracy& result) {
+  Vector s(*model.step.c, Teuchos::Copy);
+  model.jump.apply(v, s, Teuchos::NO_TRANS, 1.0, -1.0);
+  KktErrors errors = measureContact(model.law, lambda, s, result.scales);
+  errors.equilibrium = result.errors.equilibrium;
+  errors.continuity = std::max(result.errors.continuity, ratio(measureTied(model.jump.multipliers(), s), result.scales.uRef));
+  result.errors = errors;
 }
 
 }  // namespace Haptos

@@ -30,8 +30,10 @@ struct Accuracy {
   KktScales scales;
   double ext = 0;    ///< max(|| loads ||, || reactions ||) [force]
   double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext
+  bool withoutForce = false;  ///< no load and no more than round-off: all errors in force are 0
   int residualBody = -1;              ///< the body with the largest part of the residual
   std::int64_t differenceNode = -1;   ///< mesh node with the largest difference of copies, or to a prescribed value
+  std::int64_t imbalanceNode = -1;    ///< mesh node with the largest imbalance of the field that is written
 };
 
 /// \brief What the check needs of the model; references are kept.
@@ -46,6 +48,9 @@ struct AccuracyInput {
   LoadScales loads;
 };
 
+/// \brief x -= K u, subdomain by subdomain.
+void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x);
+
 /// \brief eps || |K| |u| || [force], up to the change of u between neighbours: no smaller residual can be expected.  Collective.
 /// \param offsets [local subdomains + 1] in the primal map
 double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u);
@@ -57,7 +62,14 @@ inline bool isWithoutForce(const LoadScales& loads, double force, double roundOf
   return loads.norm == 0 && force <= kNoise * roundOff;
 }
 
-/// Collective.
-Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda);
+/// \brief f - K u - B^T lambda [force], on the primal map.  Collective.
+RCP<Vector> residualOf(const AccuracyInput& model, const Vector& u, const Vector& lambda);
+
+/// \brief All but `fieldEquilibrium`, see WrittenField.  Collective.
+/// \param residual see `residualOf`
+Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vector& lambda, const Vector& residual);
+
+/// \brief Contact and ties measured anew, of other displacements than `result` was measured of.  Collective.
+void measureContactOf(const AccuracyInput& model, const Vector& v, const Vector& lambda, Accuracy& result);
 
 }  // namespace Haptos

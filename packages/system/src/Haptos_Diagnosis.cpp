@@ -21,6 +21,7 @@ std::string place(const UnconvergedRun& run, const std::string& measure) {
   if (measure == "equilibrium")
     return run.accuracy.residualBody < 0 ? "" : " in body '" + data.bodyNames[std::size_t(run.accuracy.residualBody)] + "'";
   if (measure == "continuity") return " at node " + data.nameOfNode(run.accuracy.differenceNode);
+  if (measure == "field_equilibrium") return " at node " + data.nameOfNode(run.accuracy.imbalanceNode);
   Vector s(system.c(), Teuchos::Copy);
   system.jump().apply(run.u, s, Teuchos::NO_TRANS, 1.0, -1.0);
   const auto worst = findWorstPair(system.law(), system.jump().multipliers(), *run.solver.solution().lambda, s, run.accuracy.scales);

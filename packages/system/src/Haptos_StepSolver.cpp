@@ -10,6 +10,7 @@
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PcpgSolver.hpp"
+#include "Haptos_WrittenField.hpp"
 
 namespace Haptos {
 namespace {
@@ -63,12 +64,26 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
   return std::make_unique<AutomaticSolver>(context, options_.solver);
 }
 
+// What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too.
 Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u) const {
+  constexpr double kMargin = 0.8;
   const auto scope = time(Phase::Recover);
   u = recoverPrimal(system_->dual(), *solution.lambda, *solution.s);
-  return measureAccuracy({system_->systems(), system_->model().bodies, int(system_->model().bodyNames.size()), system_->jump(),
-                          system_->law(), system_->step(), *system_->model().gather, loads_},
-                         *u, *solution.lambda);
+  const AccuracyInput input{system_->systems(), system_->model().bodies, int(system_->model().bodyNames.size()), system_->jump(),
+                            system_->law(), system_->step(), *system_->model().gather, loads_};
+  const auto residual = residualOf(input, *u, *solution.lambda);
+  Accuracy accuracy = measureAccuracy(input, *u, *solution.lambda, *residual);
+  if (accuracy.withoutForce) return accuracy;
+  WrittenField field(input, *u, *residual);
+  const double enough = options_.solver.tolerance * accuracy.ext;
+  if (field.imbalance() > enough && accuracy.errors.kkt() <= options_.solver.tolerance) {
+    field.smooth(kMargin * enough);
+    u = field.v();
+    measureContactOf(input, *u, *solution.lambda, accuracy);
+  }
+  if (accuracy.ext > 0) accuracy.errors.fieldEquilibrium = field.imbalance() / accuracy.ext;
+  accuracy.imbalanceNode = field.worstNode();
+  return accuracy;
 }
 
 // Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.
@@ -80,11 +95,12 @@ bool StepSolver::iterate(StepResult& result) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     passed = solver_->solve(request);
     result.accuracy = measure(solver_->solution(), result.u);
-    const double kkt = result.accuracy.errors.kkt();
+    const KktErrors& errors = result.accuracy.errors;
+    const double kkt = errors.kkt();
     if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
-    // The method's scale of displacements mostly is all that was wrong.
-    request.isDoubted = true;
-    request.tolerance *= attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
+    request.isDoubted = kkt > errors.fieldEquilibrium;
+    request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   return passed;
 }

@@ -8,6 +8,7 @@
 #include "../../feti/tests/FetiScene.hpp"
 #include "Haptos_ContactResults.hpp"
 #include "Haptos_PairLaws.hpp"
+#include "Haptos_WrittenField.hpp"
 
 namespace {
 
@@ -38,18 +39,53 @@ class PressedBlocks {
     const Eigen::VectorXd x = A.partialPivLu().solve(b);
     u = x.head(n);
     lambda = x.tail(m);
+    step = {onRanks(load), scattered(feti.map(), Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), m)), prescribed};
+    for (const auto& sub : feti.dealt.mine) bodies.push_back(sub.body);
+  }
+
+  AccuracyInput input() const {
+    return {*feti.systems, bodies, 2, *feti.dealt.jump, *law, step, *gather, measureLoads(*gather, *step.f, *feti.comm)};
   }
 
   Accuracy measure(const Eigen::VectorXd& withU, const Eigen::VectorXd& withLambda) const {
-    const auto primal = feti.dealt.jump->getDomainMap();
-    const auto f = scattered(primal, load);
-    const auto c = scattered(feti.map(), Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), scene.rows.numRows()));
-    const StepData step{f, c, prescribed};
-    std::vector<int> bodies;
-    for (const auto& sub : feti.dealt.mine) bodies.push_back(sub.body);
-    const AccuracyInput input{*feti.systems, bodies, 2, *feti.dealt.jump, *law, step, *gather, measureLoads(*gather, *f, *feti.comm)};
-    return measureAccuracy(input, *scattered(primal, withU), *scattered(feti.map(), withLambda));
+    const auto u = onRanks(withU), lambda = scattered(feti.map(), withLambda);
+    return measureAccuracy(input(), *u, *lambda, *residualOf(input(), *u, *lambda));
   }
+
+  RCP<Vector> onRanks(const Eigen::VectorXd& x) const { return scattered(feti.dealt.jump->getDomainMap(), x); }
+
+  // One value a copy -> sums over the copies of a node, by mesh node and component.
+  Eigen::VectorXd nodalSums(const Eigen::VectorXd& x) const {
+    const auto offsets = scene.offsets();
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(3 * Eigen::Index(scene.mesh.numNodes()));
+    for (const auto& sub : scene.subdomains)
+      for (int i = 0; i < sub.numNodes(); ++i) sums.segment<3>(3 * sub.nodes[i]) += x.segment<3>(offsets[sub.id] + 3 * i);
+    return sums;
+  }
+
+  // The means over the copies, for every copy.
+  Eigen::VectorXd means(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd mean = nodalSums(x).cwiseQuotient(nodalSums(Eigen::VectorXd::Ones(x.size())));
+    const auto offsets = scene.offsets();
+    Eigen::VectorXd result(x.size());
+    for (const auto& sub : scene.subdomains)
+      for (int i = 0; i < sub.numNodes(); ++i) result.segment<3>(offsets[sub.id] + 3 * i) = mean.segment<3>(3 * sub.nodes[i]);
+    return result;
+  }
+
+  // || K (u - v) || of nodal sums, but where displacements are prescribed: where u is in equilibrium with gluing forces and others, v lacks it.
+  double imbalanceOf(const Eigen::VectorXd& v, const Eigen::VectorXd& ofU) const {
+    Eigen::VectorXd r(v.size());
+    const auto K = denseStiffness(scene);
+    const auto offsets = scene.offsets();
+    for (std::size_t s = 0; s < K.size(); ++s) r.segment(offsets[s], K[s].rows()) = K[s] * (ofU - v).segment(offsets[s], K[s].rows());
+    Eigen::VectorXd nodal = nodalSums(r);
+    for (const auto& p : scene.prescribed) nodal[3 * p.node + p.component] = 0;
+    return nodal.norm();
+  }
+
+  // The copies of all nodes moved apart by at most 1e-3, each its own way.
+  Eigen::VectorXd torn() const { return u + 1e-3 * someVector(u.size(), 5.0); }
 
   static SceneOptions options() {
     SceneOptions o = heldScene(5);
@@ -63,6 +99,8 @@ class PressedBlocks {
   std::unique_ptr<ContactLaw> law;
   std::unique_ptr<NodalGather> gather;
   std::vector<PrescribedDisplacement> prescribed;  // of this rank's range
+  StepData step;
+  std::vector<int> bodies;
   Eigen::VectorXd load, u, lambda;
 };
 
@@ -127,6 +165,46 @@ TEUCHOS_UNIT_TEST(Accuracy, LargeForPerturbedSolutions) {
   TEST_ASSERT(blocks.measure(u, blocks.lambda).errors.continuity > 5e-3);
   const Accuracy moved = blocks.measure(1.01 * blocks.u, blocks.lambda);  // away from the prescribed values
   TEST_ASSERT(moved.errors.continuity > 5e-3);
+}
+
+TEUCHOS_UNIT_TEST(WrittenField, IsTheMeanAndItsImbalanceThatOfNodes) {
+  const PressedBlocks blocks;
+  const auto input = blocks.input();
+  const auto lambda = scattered(blocks.feti.map(), blocks.lambda);
+  const auto exact = blocks.onRanks(blocks.u);
+  const WrittenField none(input, *exact, *residualOf(input, *exact, *lambda));
+  const double scale = blocks.measure(blocks.u, blocks.lambda).ext;
+  TEST_ASSERT(none.imbalance() < 1e-11 * scale);
+
+  const auto u = blocks.onRanks(blocks.torn());
+  const WrittenField field(input, *u, Vector(u->getMap()));
+  const Eigen::VectorXd v = blocks.means(blocks.torn());
+  TEST_ASSERT((gathered(*field.v()).col(0) - v).norm() < 1e-13 * v.norm());
+  TEST_ASSERT(field.imbalance() > 1e-3 * scale);
+  TEST_FLOATING_EQUALITY(field.imbalance(), blocks.imbalanceOf(v, blocks.torn()), 1e-10);
+
+  // K u_exact = f - B^T lambda: with the residual of the torn u comes what it lacks itself.
+  const WrittenField unbalanced(input, *u, *residualOf(input, *u, *lambda));
+  TEST_FLOATING_EQUALITY(unbalanced.imbalance(), blocks.imbalanceOf(v, blocks.u), 1e-10);
+}
+
+// What is prescribed stays, copies stay together, and what is said of the imbalance is what the field has.
+TEUCHOS_UNIT_TEST(WrittenField, SmoothsWhatVariesFromElementToElement) {
+  const PressedBlocks blocks;
+  const auto input = blocks.input();
+  const auto u = blocks.onRanks(blocks.torn());
+  const Vector balanced(u->getMap());
+  WrittenField field(input, *u, balanced);
+  const double before = field.imbalance();
+  field.smooth(0.05 * before);
+  const Eigen::VectorXd v = gathered(*field.v()).col(0), mean = blocks.means(blocks.torn());
+  out << "imbalance " << before << " -> " << field.imbalance() << "\n";
+  TEST_ASSERT(field.imbalance() <= 0.05 * before && field.imbalance() > 0);
+  TEST_FLOATING_EQUALITY(field.imbalance(), blocks.imbalanceOf(v, blocks.torn()), 1e-9);
+  TEST_ASSERT((v - blocks.means(v)).norm() < 1e-13 * v.norm());
+  const Eigen::VectorXd moved = blocks.nodalSums(v - mean);
+  for (const auto& p : blocks.scene.prescribed) TEST_ASSERT(std::abs(moved[3 * p.node + p.component]) < 1e-15);
+  TEST_ASSERT(moved.cwiseAbs().maxCoeff() > 1e-5);
 }
 
 TEUCHOS_UNIT_TEST(Accuracy, ReactionsAreThoseOfTheClamp) {
@@ -249,6 +327,7 @@ TEUCHOS_UNIT_TEST(ContactResults, ListsShareForcesAndSlips) {
     for (const auto& pair : pairs)
       if (pair.interface == rows.interface && pair.pair == rows.pair)
         for (int t = 0; t < 2; ++t) {
+          if (rows.geometry.isPinned[std::size_t(t) + 1]) continue;  // the row is empty
           const auto& axis = t == 0 ? rows.geometry.frame.t1 : rows.geometry.frame.t2;
           const double slip = Eigen::Map<const Eigen::Vector3d>(pair.slip.data()).dot(Eigen::Map<const Eigen::Vector3d>(axis.data()));
           TEST_ASSERT(std::abs(slip - (jump[rows.tangential[t]] - scene.rows.c[std::size_t(rows.tangential[t])])) < 1e-12);

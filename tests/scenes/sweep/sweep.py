@@ -4,7 +4,7 @@
     sweep.py --haptos PROGRAM [--mpirun "mpirun --oversubscribe"] [--seed 1] [--count 100] [--only INDEX...] [--ranks 1 2 3]
              [--method Automatic] [--most F] [--write doc/sweep.md] [--keep FOLDER]
 
-A scene holds if it ends with status 0 and all measures of the written field but its equilibrium are at most ten tolerances, with
+A scene holds if it ends with status 0 and all measures of the written field are at most ten tolerances, with
 F on all ranks within 2 % + 2 of each other, or with status 3 on all of them.  --only reproduces scenes by their number.
 """
 import argparse
@@ -70,7 +70,7 @@ def examine(arguments, index, folder):
 
 def judge(scene, row, arguments):
     for key, value in row["errors"].items():
-        if key != "field_equilibrium" and not value <= ALLOWED * scene.tolerance:
+        if not value <= ALLOWED * scene.tolerance:
             row["why"].append(f"{key} {value:.1e}")
     if row["F"] and max(row["F"]) > 1.02 * min(row["F"]) + 2:
         row["why"].append("F depends on the ranks")
