@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Writes the small meshes of the regression tests into the folder that is named, right ones and wrong ones.
+#include <Teuchos_DefaultSerialComm.hpp>
 #include <cmath>
 #include <iostream>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ExodusWriter.hpp"
+#include "Haptos_MeshShare.hpp"
 
 namespace {
 
@@ -67,6 +70,31 @@ Mesh doubled() {
   return mesh;
 }
 
+/// The stack with nodal fields: MU = 0.1 + 0.05 x and axes that are right, others that are wrong at one or all nodes.
+void writeFields(const std::string& path) {
+  const auto comm = Teuchos::rcp(new Teuchos::SerialComm<int>());
+  const Mesh mesh = stack(2, 2);
+  const std::vector<double> zero(mesh.numNodes(), 0.0), one(mesh.numNodes(), 1.0);
+  ResultFields fields;
+  auto& mu = fields.nodal.emplace_back("MU", zero).second;
+  for (std::size_t i = 0; i < mu.size(); ++i) mu[i] = 0.1 + 0.05 * mesh.coordinates[i][0];
+  fields.nodal.emplace_back("NEGATIVE", one);
+  fields.nodal.emplace_back("NAN_AT_ONE", one);
+  fields.nodal.emplace_back("ONE", one);
+  fields.nodal.emplace_back("ZERO", zero);
+  for (std::size_t i = 0; i < mesh.numNodes(); ++i)
+    if (mesh.coordinates[i] == std::array<double, 3>{0.5, 1, 1}) {  // on both sides of the joint
+      fields.nodal[1].second[i] = -0.25;
+      fields.nodal[2].second[i] = std::nan("");
+    }
+  ExodusWriter writer(comm, path, sliceOfMesh(mesh, 0, 1));
+  ResultFields before = fields;  // the last step counts
+  for (auto& field : before.nodal) field.second = std::vector<double>(mesh.numNodes(), -7.0);
+  writer.writeStep(0.5, before);
+  writer.writeStep(1.0, fields);
+  writer.close();
+}
+
 }  // namespace
 
 int main(int argc, char* argv[]) {
@@ -84,5 +112,6 @@ int main(int argc, char* argv[]) {
   writeMesh(folder + "/tiny.exo", scaled(1e-60));
   writeMesh(folder + "/huge.exo", scaled(1e60));
   writeMesh(folder + "/doubled.exo", doubled());
+  writeFields(folder + "/fields.exo");
   return 0;
 }

@@ -138,6 +138,20 @@ class Solved(SceneTest):
         self.assertGreater(forces[0], 0.1)
         self.assertAlmostEqual(forces[1], forces[0], places=9)
 
+    def test_friction_by_expression_and_by_nodal_field(self):
+        summaries = []
+        for coefficients in (["0.1 + 0.05*x", "0.2"], ["MU", "0.2"]):
+            for ranks in RANKS:
+                scene = stack(Mesh__File="fields.exo")
+                scene["Contact"]["joint"]["Friction"]["Coefficients"] = coefficients
+                scene["Boundary Conditions"]["press"] = {"Type": "Traction", "Sets": ["upper_top"], "Value": [0.05, 0.2, -1.0]}
+                summaries.append(self.solve(scene, ranks=ranks)["contact"]["joint"])
+        self.assertGreater(summaries[0]["slip"], 0)
+        for other in summaries[1:]:
+            self.assertEqual(other["slip"], summaries[0]["slip"])
+            for a, b in zip(other["tangential_force"], summaries[0]["tangential_force"]):
+                self.assertAlmostEqual(a, b, places=6)
+
     def test_axis_ratios_of_thousands_with_few_pairs(self):
         """Subspace Newton alone, where it once stalled and SMALSE had to bring it on its way again."""
         for coefficients in ("{0.3,1e-4}", "{3.0,1e-3}"):

@@ -11,6 +11,23 @@ RANKS = (1, 3)
 NO_SUCH_FOLDER = "no_such_folder"
 
 
+def give_dimension(path, variable, wanted):
+    """Gives the last index of a variable of a netCDF file the dimension `wanted`, in its header alone."""
+    whole = bytearray(path.read_bytes())
+
+    def word(at):
+        return int.from_bytes(whole[at:at + 4], "big")
+
+    at, names = 16, []  # magic, records, tag and number of the dimensions
+    for _ in range(word(12)):
+        names.append(whole[at + 4:at + 4 + word(at)].decode())
+        at += 8 + (word(at) + 3) // 4 * 4
+    at = whole.index(variable.encode()) + (len(variable) + 3) // 4 * 4
+    last = at + 4 * word(at)
+    whole[last:last + 4] = names.index(wanted).to_bytes(4, "big")
+    path.write_bytes(whole + bytes(100000))
+
+
 class WrongInput(SceneTest):
     def refuse(self, scene, *parts, arguments=()):
         for ranks in RANKS:
@@ -171,6 +188,41 @@ class WrongMesh(WrongInput):
         scene = stack(Mesh__File="non_matching.exo")
         scene["Contact"]["joint"]["Discretization"] = "Node To Node"
         self.refuse(scene, "'joint'", "match", "Mortar")
+
+
+class WrongFriction(WrongInput):
+    def with_friction(self, mesh="fields.exo", **friction):
+        scene = stack(Mesh__File=mesh)
+        scene["Contact"]["joint"]["Friction"].update({name.replace("_", " "): value for name, value in friction.items()})
+        return scene
+
+    def test_no_such_field(self):
+        self.refuse(self.with_friction(Coefficients=["MU", "MV"]), "Contact->joint->Friction->Coefficients", "no nodal field 'MV'", "MU, NEGATIVE")
+        self.refuse(self.with_friction(Principal_Field=["MU", "ONE", "TWO"]), "Contact->joint->Friction->Principal Field", "no nodal field 'TWO'")
+        self.refuse(self.with_friction("stack.exo", Coefficients=["MU", "0.3"]), "Coefficients", "no nodal field 'MU'", "none")
+
+    def test_field_of_the_wrong_length(self):
+        for wanted in ("num_elem", "len_line"):  # 16 and 81
+            path = self.folder / "length.exo"
+            path.write_bytes((self.folder / "fields.exo").read_bytes())
+            give_dimension(path, "vals_nod_var5", wanted)
+            self.refuse(self.with_friction("length.exo", Coefficients=["ZERO", "0.3"]), "length.exo", "'ZERO'", "one value for each of the 54 nodes")
+
+    def test_coefficient_that_is_no_coefficient_at_one_node(self):
+        self.refuse(self.with_friction(Coefficients=["0.3", "NEGATIVE"]), "Friction->Coefficients", "F2", "'NEGATIVE'", "-0.25", "node 35 (0.5, 1, 1)")
+        self.refuse(self.with_friction(Coefficients=["NAN_AT_ONE", "0.3"]), "Friction->Coefficients", "F1", "nan", "node 35 (0.5, 1, 1)")
+        self.refuse(self.with_friction(Coefficients=["x - 0.1", "0.3"]), "Friction->Coefficients", "F1", "'x - 0.1'", "-0.1", "node 28 (0, 0, 1)")
+        self.refuse(self.with_friction(Coefficients=["0.3", "0.1/(x - 0.5)^2"]), "Friction->Coefficients", "'0.1/(x - 0.5)^2'", "inf", "node 29 (0.5, 0, 1)")
+        self.refuse(self.with_friction(Coefficients=["-0.1", "MU"]), "Friction->Coefficients", "-0.1", "at least 0")
+        self.refuse(self.with_friction(Coefficients=["0.1 + q", "MU"]), "Friction->Coefficients", "0.1 + q")
+
+    def test_axes(self):
+        self.refuse(self.with_friction(Principal_Field=["ZERO", "ZERO", "ZERO"]), "Principal Field", "(0, 0, 0)", "node 28 (0, 0, 1)")
+        axes = {"Point": [0.5, 0.5, 0.0], "Axis": [0.0, 0.0, 1.0], "Direction": "Circumferential"}
+        self.refuse(self.with_friction(Cylindrical=axes), "Friction->Cylindrical", "node 32 (0.5, 0.5, 1)", "Circumferential", "Axial")
+        self.refuse(self.with_friction(Cylindrical={**axes, "Axis": [0.0, 0.0, 0.0]}), "Friction->Cylindrical->Axis", "zero vector")
+        self.refuse(self.with_friction(Cylindrical={"Axis": [0.0, 0.0, 1.0]}), "Friction->Cylindrical->Point", "missing")
+        self.refuse(self.with_friction(Cylindrical=axes, Principal_Field=["MU", "MU", "MU"]), "only one of", "'Cylindrical'", "'Principal Field'")
 
 
 class WrongConditions(WrongInput):

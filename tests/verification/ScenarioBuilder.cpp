@@ -109,6 +109,16 @@ ScenarioBuilder& ScenarioBuilder::contactOption(const std::string& name, const s
   return *this;
 }
 
+ScenarioBuilder& ScenarioBuilder::frictionOptions(const Teuchos::ParameterList& list) {
+  auto& contacts = parameters_.sublist("Contact");
+  for (const auto& entry : contacts) {
+    auto& friction = contacts.sublist(entry.first).sublist("Friction");
+    if (list.isParameter("Principal Field") || list.isSublist("Cylindrical")) friction.remove("Principal Direction");
+    friction.setParameters(list);
+  }
+  return *this;
+}
+
 ScenarioBuilder& ScenarioBuilder::rigidPlane(const std::string& secondary, const Array3& point, const Array3& normal,
                                              const Friction* friction) {
   newContact(secondary, friction).sublist("Rigid Plane").set("Point", arrayOf(point)).set("Normal", arrayOf(normal));

@@ -48,6 +48,8 @@ class ScenarioBuilder {
                               const Friction* friction = nullptr);
   /// \brief A parameter of all contacts so far that are between two surfaces.
   ScenarioBuilder& contactOption(const std::string& name, const std::string& value);
+  /// \brief Adds to the Friction of all contacts so far.
+  ScenarioBuilder& frictionOptions(const Teuchos::ParameterList& list);
   /// \param method METIS, Bricks or Block, \param subdomains over all bodies; 0 chooses
   ScenarioBuilder& decomposition(const std::string& method, int subdomains = 0);
   ScenarioBuilder& solver(const std::string& method) { return setSolver("Method", method); }

@@ -27,6 +27,9 @@ void writeText(std::ostream& out, const ParameterTree& tree, const std::string& 
     for (const auto& group : tree.alternatives)
       if (std::find(group.begin(), group.end(), spec.name) != group.end())
         out << "    note     exactly one of " << joinNames(group, ", ", "'") << " is given\n";
+    for (const auto& group : tree.exclusive)
+      if (std::find(group.begin(), group.end(), spec.name) != group.end())
+        out << "    note     at most one of " << joinNames(group, ", ", "'") << " is given\n";
   }
   for (const auto& sublist : tree.sublists) writeText(out, sublist, joinPath(listPath, sublist.name));
   for (const auto& child : tree.userNamed) writeText(out, child, joinPath(listPath, child.name));
@@ -65,10 +68,11 @@ void writeMarkdown(std::ostream& out, const ParameterTree& tree, const std::stri
   writeTable(out, tree);
   for (const auto& group : tree.alternatives)
     out << "- Exactly one of " << joinNames(group, ", ", "`") << " is given.\n";
+  for (const auto& group : tree.exclusive) out << "- At most one of " << joinNames(group, ", ", "`") << " is given.\n";
   for (const auto& rule : tree.rules) out << "- " << rule.text << "\n";
   for (const auto& alias : tree.aliases)
     out << "- `" << alias.oldName << "` is an outdated name of `" << alias.newName << "`.\n";
-  if (!tree.alternatives.empty() || !tree.rules.empty() || !tree.aliases.empty()) out << "\n";
+  if (!tree.alternatives.empty() || !tree.exclusive.empty() || !tree.rules.empty() || !tree.aliases.empty()) out << "\n";
   for (const auto& sublist : tree.sublists)
     writeMarkdown(out, sublist, joinPath(path, sublist.name), level + 1);
   for (const auto& child : tree.userNamed) writeMarkdown(out, child, joinPath(path, child.name), level + 1);

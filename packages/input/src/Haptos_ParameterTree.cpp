@@ -18,8 +18,9 @@ const ParameterTree* ParameterTree::findSublist(const std::string& sublist) cons
 }
 
 bool ParameterTree::isAlternative(const std::string& entry) const {
-  for (const auto& group : alternatives)
-    if (std::find(group.begin(), group.end(), entry) != group.end()) return true;
+  for (const auto* groups : {&alternatives, &exclusive})
+    for (const auto& group : *groups)
+      if (std::find(group.begin(), group.end(), entry) != group.end()) return true;
   return false;
 }
 

@@ -40,6 +40,8 @@ class ParameterTree {
   }
   /// Exactly one of these parameters or sublists is given; sublists among them are not created by default.
   ParameterTree& exactlyOneOf(std::vector<std::string> names) { return append(alternatives, std::move(names)); }
+  /// At most one of these; sublists among them are not created by default.
+  ParameterTree& atMostOneOf(std::vector<std::string> names) { return append(exclusive, std::move(names)); }
   /// `oldName` is still read, with a warning, as `newName` (both parameters or both sublists).
   ParameterTree& alias(std::string oldName, std::string newName) { return append(aliases, {std::move(oldName), std::move(newName)}); }
   ParameterTree& rule(std::string text, std::function<std::string(const Teuchos::ParameterList&)> broken) {
@@ -64,7 +66,7 @@ class ParameterTree {
   std::vector<ParameterTree> sublists;
   std::vector<ParameterTree> userNamed;  ///< none or one
   std::size_t minUserNamed = 0;
-  std::vector<std::vector<std::string>> alternatives;
+  std::vector<std::vector<std::string>> alternatives, exclusive;
   std::vector<ParameterAlias> aliases;
   std::vector<Rule> rules;
   std::vector<Normaliser> preparers, normalisers;

@@ -75,12 +75,15 @@ void checkPresence(const ParameterSpec& spec, const ParameterTree& tree, const P
 
 // Of each group one, whichever; a list beside a parameter may be a choice, too.
 void checkAlternatives(const ParameterTree& tree, const ParameterList& list, const std::string& listPath) {
-  for (const auto& group : tree.alternatives) {
+  auto groups = tree.alternatives;
+  groups.insert(groups.end(), tree.exclusive.begin(), tree.exclusive.end());
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    const auto& group = groups[i];
     std::vector<std::string> given;
     for (const auto& name : group)
       if (list.isParameter(name)) given.push_back(name);
     const std::string path = listPath.empty() ? "the input" : listPath;
-    if (given.empty()) refuse(path, "give one of " + joinNames(group, " or ", "'") + "; none is there");
+    if (given.empty() && i < tree.alternatives.size()) refuse(path, "give one of " + joinNames(group, " or ", "'") + "; none is there");
     if (given.size() > 1)
       refuse(path, "only one of " + joinNames(group, " or ", "'") + " is valid; given are " +
                        joinNames(given, " and ", "'"));

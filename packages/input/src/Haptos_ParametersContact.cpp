@@ -3,7 +3,10 @@
 #include <Teuchos_Array.hpp>
 #include <Teuchos_ParameterList.hpp>
 #include <algorithm>
+#include <cctype>
 
+#include "Haptos_Error.hpp"
+#include "Haptos_Expression.hpp"
 #include "Haptos_ParameterSections.hpp"
 
 namespace Haptos {
@@ -12,6 +15,7 @@ namespace {
 
 using Teuchos::ParameterList;
 using Type = ParameterType;
+using Texts = std::vector<std::string>;
 
 std::string zeroVector(const ParameterList& list, const std::string& name) {
   if (!list.isParameter(name)) return "";
@@ -42,6 +46,52 @@ std::string lawIsMissing(const ParameterList& list) {
 
 std::string lawName(std::optional<FrictionLaw> law) { return nameOf(law); }
 
+bool isLetter(char c) { return std::isalpha(static_cast<unsigned char>(c)) != 0 || c == '_'; }
+
+// A text that is one name, and none that expressions know, is a nodal field.
+bool isFieldName(const std::string& text) {
+  static const Texts known = {"x", "y", "z", "t", "pi", "_pi", "_e"};
+  return !text.empty() && isLetter(text[0]) && std::find(known.begin(), known.end(), text) == known.end() &&
+         std::all_of(text.begin(), text.end(), [](char c) { return isLetter(c) || std::isdigit(static_cast<unsigned char>(c)) != 0; });
+}
+
+std::vector<PlaceFunction> placeFunctions(const ParameterList& list, const std::string& name, const std::string& path) {
+  const auto value = *valueOf(list.getEntry(name));
+  std::vector<PlaceFunction> functions;
+  if (const auto* numbers = std::get_if<std::vector<double>>(&value))
+    for (const double number : *numbers) functions.push_back({Expression(number), ""});
+  else
+    for (const auto& text : std::get<Texts>(value))
+      functions.push_back(isFieldName(trimmed(text)) ? PlaceFunction{{}, trimmed(text)} : PlaceFunction{Expression(text, path), ""});
+  return functions;
+}
+
+// Those that hold everywhere are refused at once.
+std::string wrongCoefficient(const ParameterList& list) {
+  if (!list.isParameter("Coefficients")) return "";
+  try {
+    for (const auto& function : placeFunctions(list, "Coefficients", "Coefficients"))
+      if (function.isConstant() && !(function.expression(0, 0, 0) >= 0))
+        return "Coefficients: has the entry " + function.expression.text() + "; must be at least 0";
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+ParameterTree cylindrical() {
+  ParameterTree section("Cylindrical", "The axis t1 follows cylindrical coordinates about an axis.");
+  section.add(ParameterSpec("Point", {Type::DoubleArray}, "A point of the axis").mustBeGiven().entries(3, 3).measuredIn("length"))
+      .add(ParameterSpec("Axis", {Type::DoubleArray}, "Direction of the axis; any length").mustBeGiven().entries(3, 3))
+      .add(ParameterSpec("Direction", {Type::String},
+                         "What t1 is the projection of on the tangent plane: Circumferential is Axis x (from the axis to the node), Radial points from the axis to "
+                         "the node")
+               .mustBeGiven()
+               .oneOf(choiceNames<CylindricalDirection>()))
+      .rule("`Axis` is not zero.", [](const ParameterList& list) { return zeroVector(list, "Axis"); });
+  return section;
+}
+
 ParameterTree friction() {
   ParameterTree section("Friction", "Orthotropic friction: ||F^-1 lambda_T|| <= g, F = diag(F1, F2).");
   section
@@ -50,8 +100,9 @@ ParameterTree friction() {
                          "displacements are the same, whatever the gap)")
                .defaultTo(lawName(FrictionOptions{}.law))
                .oneOf(choiceNames<std::optional<FrictionLaw>>()))
-      .add(ParameterSpec("Coefficients", {Type::DoubleArray},
-                         "F1, F2 along the principal axes t1, t2; 0 takes the friction along an axis away")
+      .add(ParameterSpec("Coefficients", {Type::DoubleArray, Type::StringArray},
+                         "F1, F2 along the principal axes t1, t2; 0 takes the friction along an axis away. A string is an expression of x, y, z, or the "
+                         "name of a nodal field of the mesh file (values of its last time step), both taken at the node that carries the multiplier")
                .neededWhen("Law", {lawName(FrictionLaw::Tresca), lawName(FrictionLaw::Coulomb)})
                .entries(2, 2)
                .within(NumberRange::atLeast(0))
@@ -60,6 +111,11 @@ ParameterTree friction() {
                          "Its projection on the tangent plane is the axis t1; t2 = n x t1")
                .defaultTo(std::vector<double>{1, 0, 0})
                .entries(3, 3))
+      .add(ParameterSpec("Principal Field", {Type::StringArray}, "Names of three nodal fields of the mesh file, in place of Principal Direction")
+               .entries(3, 3)
+               .notEmpty())
+      .add(cylindrical())
+      .atMostOneOf({"Principal Direction", "Principal Field", "Cylindrical"})
       .add(ParameterSpec("Slip Bound", {Type::Double}, "Bound of the tangential traction")
                .onlyWhen("Law", {lawName(FrictionLaw::Tresca)})
                .neededWhen("Law", {lawName(FrictionLaw::Tresca)})
@@ -67,7 +123,8 @@ ParameterTree friction() {
                .measuredIn("force per area"))
       .rule("`Principal Direction` is not zero.",
             [](const ParameterList& list) { return zeroVector(list, "Principal Direction"); })
-      .rule("Where `Coefficients` are given, `Law` is given too.", lawIsMissing);
+      .rule("Where `Coefficients` are given, `Law` is given too.", lawIsMissing)
+      .rule("An expression is one of x, y, z as in Boundary Conditions; a single other name is a nodal field.", wrongCoefficient);
   return section;
 }
 
@@ -79,11 +136,20 @@ std::array<double, n> numbers(const ParameterList& list, const std::string& name
   return values;
 }
 
-FrictionOptions frictionOptions(const ParameterList& list) {
+FrictionOptions frictionOptions(const ParameterList& list, const std::string& path) {
   FrictionOptions friction;
   friction.law = choiceNamed<std::optional<FrictionLaw>>(list.get<std::string>("Law"));
-  if (list.isParameter("Coefficients")) friction.coefficients = numbers<2>(list, "Coefficients");
+  if (list.isParameter("Coefficients")) {
+    const auto functions = placeFunctions(list, "Coefficients", joinPath(path, "Coefficients"));
+    std::copy(functions.begin(), functions.end(), friction.coefficients.begin());
+  }
   friction.principalDirection = numbers<3>(list, "Principal Direction");
+  if (list.isParameter("Principal Field")) friction.principalField = list.get<Teuchos::Array<std::string>>("Principal Field").toVector();
+  if (list.isSublist("Cylindrical")) {
+    const auto& axes = list.sublist("Cylindrical");
+    friction.cylindrical = CylindricalOptions{numbers<3>(axes, "Point"), numbers<3>(axes, "Axis"),
+                                              choiceNamed<CylindricalDirection>(axes.get<std::string>("Direction"))};
+  }
   if (list.isParameter("Slip Bound")) friction.slipBound = list.get<double>("Slip Bound");
   return friction;
 }
@@ -101,6 +167,7 @@ std::string sameSurface(const ParameterList& list) {
 ContactOptions contactOptions(const std::string& name, const ParameterList& list) {
   ContactOptions contact;
   contact.name = name;
+  contact.path = "Contact->" + name;
   contact.secondarySideSet = list.get<std::string>("Secondary Side Set");
   if (list.isParameter("Primary Side Set")) contact.primarySideSet = list.get<std::string>("Primary Side Set");
   if (list.isSublist("Rigid Plane")) {
@@ -111,7 +178,7 @@ ContactOptions contactOptions(const std::string& name, const ParameterList& list
   contact.sides = choiceNamed<ContactSides>(list.get<std::string>("Sides"));
   contact.multiplierSpace = choiceNamed<MultiplierSpace>(list.get<std::string>("Multiplier Space"));
   contact.matchingTolerance = list.get<double>("Matching Tolerance");
-  contact.friction = frictionOptions(list.sublist("Friction"));
+  contact.friction = frictionOptions(list.sublist("Friction"), joinPath(contact.path, "Friction"));
   return contact;
 }
 

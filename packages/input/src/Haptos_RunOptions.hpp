@@ -47,11 +47,37 @@ struct ConditionOptions {
   VectorExpression value;           ///< of all but a pressure: [length], [force/area], [force/volume]
 };
 
+/// \brief A function of place: a number, an expression, or a nodal field of the mesh.
+struct PlaceFunction {
+  Expression expression;  ///< where there is no field
+  std::string field;      ///< its name
+
+  bool isConstant() const { return field.empty() && expression.isConstant(); }
+};
+
+enum class CylindricalDirection { Circumferential, Axial, Radial };
+template <>
+struct Choices<CylindricalDirection> {
+  using E = CylindricalDirection;
+  static constexpr Choice<E> all[] = {{E::Circumferential, "Circumferential"}, {E::Axial, "Axial"}, {E::Radial, "Radial"}};
+};
+
+/// \brief One of the directions of cylindrical coordinates about an axis.
+struct CylindricalOptions {
+  std::array<double, 3> point, axis;
+  CylindricalDirection direction;
+};
+
+/// \brief At most one of the last two is given, and goes before `principalDirection`.
 struct FrictionOptions {
   std::optional<FrictionLaw> law = FrictionLaw::Frictionless;  ///< none: tied
-  std::array<double, 2> coefficients{0, 0};                    ///< F1, F2 [-]
+  std::array<PlaceFunction, 2> coefficients;                   ///< F1, F2 [-]
   std::array<double, 3> principalDirection{1, 0, 0};
+  std::vector<std::string> principalField;  ///< names of three nodal fields, or none
+  std::optional<CylindricalOptions> cylindrical;
   double slipBound = 0;  ///< Tresca [force/area]
+
+  bool hasFields() const { return !coefficients[0].isConstant() || !coefficients[1].isConstant(); }
 };
 
 struct RigidPlaneOptions {
@@ -61,6 +87,7 @@ struct RigidPlaneOptions {
 /// \brief One pair of surfaces, or a surface and a rigid plane.
 struct ContactOptions {
   std::string name;
+  std::string path;  ///< "Contact->interface", for messages
   std::string secondarySideSet, primarySideSet;  ///< names or numbers; no primary one: rigid plane
   std::optional<RigidPlaneOptions> rigidPlane;
   Discretization discretization = Discretization::Automatic;

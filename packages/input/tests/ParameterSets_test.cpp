@@ -55,7 +55,7 @@ TEUCHOS_UNIT_TEST(ParameterSets, WrongPathsAndValuesAreRefused) {
   TEST_CONTAINS(setRefusal("Decomposition->Seed", "1.5"), "Decomposition->Seed", "'1.5'", "int");
   TEST_CONTAINS(setRefusal("Decomposition->Seed", "99999999999"), "Decomposition->Seed", "int");
   TEST_CONTAINS(setRefusal("Solver->Relative Tolerance", "small"), "'small'", "double");
-  TEST_CONTAINS(setRefusal("Contact->interface->Friction->Coefficients", "{0.3, b}"), "Array(double)");
+  TEST_CONTAINS(setRefusal("Contact->interface->Friction->Principal Direction", "{0.3, 0, b}"), "Array(double)");
 }
 
 /// Replaces the placeholders of a printed path by names that the input has.

@@ -16,6 +16,15 @@ RunOptions optionsOf(const std::string& text, const std::vector<std::pair<std::s
   return runOptions(read(text, sets));
 }
 
+TEUCHOS_UNIT_TEST(RunOptions, CoefficientsAreNumbersExpressionsOrFields) {
+  const auto o = optionsOf(fullInput(), {{"Contact->interface->Friction->Coefficients", "{0.1 + 0.05*x, MU_2}"}});
+  const auto& [first, second] = o.contacts[0].friction.coefficients;
+  TEST_ASSERT(o.contacts[0].friction.hasFields() && first.field.empty() && second.field == "MU_2");
+  TEST_FLOATING_EQUALITY(first.expression(2, 0, 0), 0.2, 1e-14);
+  const auto numbers = optionsOf(fullInput(), {{"Contact->interface->Friction->Coefficients", "{0.1 + 0.05, pi}"}});
+  TEST_ASSERT(!numbers.contacts[0].friction.hasFields());
+}
+
 TEUCHOS_UNIT_TEST(RunOptions, FullInput) {
   const RunOptions o = optionsOf(fullInput());
   TEST_EQUALITY(o.title, "two beams");
@@ -29,7 +38,9 @@ TEUCHOS_UNIT_TEST(RunOptions, FullInput) {
   TEST_EQUALITY(o.contacts.size(), 2u);
   TEST_EQUALITY(o.contacts[0].primarySideSet, "lower_contact");
   TEST_ASSERT(o.contacts[0].friction.law == FrictionLaw::Coulomb);
-  TEST_COMPARE_ARRAYS(o.contacts[0].friction.coefficients, (std::array<double, 2>{0.3, 0.1}));
+  TEST_ASSERT(!o.contacts[0].friction.hasFields());
+  TEST_EQUALITY(o.contacts[0].friction.coefficients[0].expression(0, 0, 0), 0.3);
+  TEST_EQUALITY(o.contacts[0].friction.coefficients[1].expression(0, 0, 0), 0.1);
   TEST_EQUALITY(o.contacts[1].name, "ground");
   TEST_ASSERT(o.contacts[1].rigidPlane && o.contacts[1].friction.law == FrictionLaw::Frictionless);
   TEST_EQUALITY(o.contacts[1].rigidPlane->normal[2], 1.0);

@@ -12,7 +12,7 @@ namespace Haptos {
 /// \brief Friction of one interface.
 struct FrictionSpec {
   FrictionLaw law = FrictionLaw::Frictionless;
-  std::array<double, 2> coefficients{0, 0};  ///< F1, F2 [-] along the principal axes
+  std::array<double, 2> coefficients{0, 0};  ///< F1, F2 [-] along the principal axes; of pairs that have their own, the largest
   double slipBound = 0;                      ///< Tresca: traction [force/area]
   bool tied = false;                         ///< bonded: no law at all, equality rows
 };

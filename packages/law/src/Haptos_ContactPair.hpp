@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -27,8 +28,9 @@ struct ContactPair {
   double gap;                  ///< initial distance along the normal; negative: initial penetration
   double area;                 ///< tributary area of the secondary node
   std::array<char, 3> isPinned{};  ///< rows N, T1, T2 (x, y, z of a tied pair) that are left out whatever they reach
+  std::optional<std::array<double, 2>> coefficients;  ///< F1, F2 [-] of its own; else those of its interface
 
-  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned); }  ///< see ByteWriter
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients); }  ///< see ByteWriter
 };
 
 struct NodeMove {

@@ -16,6 +16,6 @@ struct ExodusPart {
 };
 
 /// \brief Serial; throws as `readExodus`, which refuses such files.
-ExodusPart readExodusPart(const std::string& path);
+ExodusPart readExodusPart(const std::string& path, const std::vector<std::string>& fields = {});
 
 }  // namespace Haptos

@@ -15,6 +15,7 @@
 #include <set>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_ExodusFields.hpp"
 #include "Haptos_ExodusHandle.hpp"
 #include "Haptos_ExodusPart.hpp"
 #include "Haptos_NetcdfFile.hpp"
@@ -81,7 +82,9 @@ std::vector<Stretch> stretchesBetween(const std::vector<Index>& starts, Index be
 /// No method communicates but `read`.
 class Reader {
  public:
-  Reader(const Communicator& comm, const std::string& path) : comm_(comm), path_(path) {
+  /// \param fields names of nodal fields that are wanted
+  Reader(const Communicator& comm, const std::string& path, const std::vector<std::string>& fields)
+      : comm_(comm), path_(path), fields_(fields) {
     share_.rank = comm.getRank();
   }
 
@@ -90,7 +93,7 @@ class Reader {
   MeshShare read(bool mayBePart) {
     runOnAllRanks(comm_, [&] {
       requireWholeNetcdfFile(path_);
-      if (isHdf5(path_) && !survivesInChild([&] { Reader(comm_, path_).readAlone(); }, 20 + unsigned(1e-7 * fileBytes())))
+      if (isHdf5(path_) && !survivesInChild([&] { Reader(comm_, path_, fields_).readAlone(); }, 20 + unsigned(1e-7 * fileBytes())))
         refuse("reading it ends in a fault of the HDF5 library; the file is damaged.");
       open();
       if (!mayBePart && numParts() > 1)
@@ -100,6 +103,7 @@ class Reader {
     });
     runOnAllRanks(comm_, [&] { readNumberMaps(); });
     runOnAllRanks(comm_, [&] { readCoordinates(); });
+    runOnAllRanks(comm_, [&] { readNodalFields(); });
     runOnAllRanks(comm_, [&] { readBlocks(); });
     std::vector<SetMember> nodes, sides;
     runOnAllRanks(comm_, [&] { nodes = readNodeSets(); });
@@ -146,6 +150,7 @@ class Reader {
     readSizes();
     readNumberMaps();
     readCoordinates();
+    readNodalFields();
     readBlocks();
     readNodeSets();
     readSideSets();
@@ -229,6 +234,11 @@ class Reader {
       }
   }
 
+  void readNodalFields() {
+    const auto nodes = ExodusNodes{share_.firstNode(), share_.endNode() - share_.firstNode(), sizes_.num_nodes};
+    if (!fields_.empty()) share_.part.nodalFields = Haptos::readNodalFields(file_->id(), path_, nodes, fields_);
+  }
+
   /// Numbers of all blocks or sets of one kind; they must differ, since the library looks entities up by
   /// them.
   std::vector<Index> readIds(ex_entity_type type, Index count, const std::string& kind) const {
@@ -244,20 +254,9 @@ class Reader {
   }
 
   std::vector<std::string> readNames(ex_entity_type type, Index count, const std::string& kind) const {
-    std::vector<std::string> names(std::size_t(count), std::string{});
-    if (count == 0) return names;
-    // Names longer than the library's default of 32 characters come whole only when asked for.
-    const auto stored = ex_inquire_int(file_->id(), EX_INQ_DB_MAX_ALLOWED_NAME_LENGTH);
-    const int length = int(std::clamp<Index>(stored, MAX_STR_LENGTH, 4096));
-    ex_set_max_name_length(file_->id(), length);
-    std::vector<std::vector<char>> buffers(names.size(), std::vector<char>(std::size_t(length) + 2, '\0'));
-    std::vector<char*> pointers;
-    for (auto& buffer : buffers) pointers.push_back(buffer.data());
-    require(ex_get_names(file_->id(), type, pointers.data()), "the names of the " + kind + "s");
-    for (std::size_t i = 0; i < names.size(); ++i) {
-      names[i] = pointers[i];
-      names[i].erase(names[i].find_last_not_of(' ') + 1);
-    }
+    std::vector<std::string> names;
+    require(readTexts(file_->id(), count, [&](char** texts) { return ex_get_names(file_->id(), type, texts); }, names),
+            "the names of the " + kind + "s");
     return names;
   }
 
@@ -383,6 +382,7 @@ class Reader {
 
   const Communicator& comm_;
   std::string path_;
+  std::vector<std::string> fields_;
   std::unique_ptr<ExodusHandle> file_;
   double largestCount_ = 0.0;
   ex_init_params sizes_{};
@@ -391,13 +391,15 @@ class Reader {
 
 }  // namespace
 
-MeshShare readExodusShare(const Communicator& comm, const std::string& path) { return Reader(comm, path).read(false); }
+MeshShare readExodusShare(const Communicator& comm, const std::string& path, const std::vector<std::string>& fields) {
+  return Reader(comm, path, fields).read(false);
+}
 
 Mesh readExodus(const std::string& path) { return readExodusShare(Teuchos::SerialComm<int>(), path).part; }
 
-ExodusPart readExodusPart(const std::string& path) {
+ExodusPart readExodusPart(const std::string& path, const std::vector<std::string>& fields) {
   const Teuchos::SerialComm<int> alone;
-  return Reader(alone, path).readPart();
+  return Reader(alone, path, fields).readPart();
 }
 
 }  // namespace Haptos

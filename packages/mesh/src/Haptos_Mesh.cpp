@@ -86,6 +86,17 @@ std::string listBlocks(const Mesh& mesh) { return listEntities(mesh.blocks); }
 std::string listSideSets(const Mesh& mesh) { return listEntities(mesh.sideSets); }
 std::string listNodeSets(const Mesh& mesh) { return listEntities(mesh.nodeSets); }
 
+int findNodalField(const Mesh& mesh, const std::string& name) {
+  const auto found = std::find_if(mesh.nodalFields.begin(), mesh.nodalFields.end(), [&](const NodalField& f) { return f.name == name; });
+  return found == mesh.nodalFields.end() ? -1 : int(found - mesh.nodalFields.begin());
+}
+
+std::string listNodalFields(const Mesh& mesh) {
+  std::string list;
+  for (const auto& field : mesh.nodalFields) list += (list.empty() ? "" : ", ") + field.name;
+  return list.empty() ? "none" : list;
+}
+
 // By its number in the file, and its place where numbers say nothing.
 std::string describeNode(const Mesh& mesh, std::int64_t node) {
   const auto& x = mesh.coordinates[std::size_t(node)];

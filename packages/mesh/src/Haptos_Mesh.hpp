@@ -44,6 +44,14 @@ struct NodeSet {
   auto parts() { return std::tie(id, name, nodes); }
 };
 
+/// \brief A value a node, as the mesh file has them under a name.
+struct NodalField {
+  std::string name;
+  std::vector<double> values;  ///< [numNodes]; empty where nobody asked for them
+
+  auto parts() { return std::tie(name, values); }
+};
+
 /// \brief A whole mesh as one rank holds it: nodes, element blocks, side sets, node sets.
 ///
 /// All indices are 0-based positions; the numbers that the file gives to nodes and elements (its
@@ -57,8 +65,11 @@ struct Mesh {
   std::vector<std::int64_t> nodeNumbers;     ///< [numNodes], the file's node number map (1..n by default)
   std::vector<std::int64_t> elementNumbers;  ///< [numElements], the file's element number map
   bool wideIntegers = false;                 ///< the file held 64-bit ids
+  std::vector<NodalField> nodalFields;       ///< at the file's last time step
 
-  auto parts() { return std::tie(title, coordinates, blocks, sideSets, nodeSets, nodeNumbers, elementNumbers, wideIntegers); }
+  auto parts() {
+    return std::tie(title, coordinates, blocks, sideSets, nodeSets, nodeNumbers, elementNumbers, wideIntegers, nodalFields);
+  }
   std::size_t numNodes() const { return coordinates.size(); }
   std::size_t numElements() const;
 };
@@ -87,6 +98,8 @@ int findBlock(const Mesh& mesh, const std::string& nameOrNumber);
 int findSideSet(const Mesh& mesh, const std::string& nameOrNumber);
 int findNodeSet(const Mesh& mesh, const std::string& nameOrNumber);
 
+int findNodalField(const Mesh& mesh, const std::string& name);  ///< position in `mesh.nodalFields`, or -1
+
 /// \brief "node 17 (0.5, 0.25, 0)": the file's number and the place of a node, for messages.
 std::string describeNode(const Mesh& mesh, std::int64_t node);
 
@@ -94,5 +107,6 @@ std::string describeNode(const Mesh& mesh, std::int64_t node);
 std::string listBlocks(const Mesh& mesh);
 std::string listSideSets(const Mesh& mesh);
 std::string listNodeSets(const Mesh& mesh);
+std::string listNodalFields(const Mesh& mesh);
 
 }  // namespace Haptos

@@ -77,17 +77,17 @@ std::vector<std::string> listMeshFiles(const std::string& path) {
 }
 
 // Rank 0 looks at the folder, which all ranks doing at once is hard on a file system, and tells the others what there is.
-MeshShare readMeshFiles(const Communicator& comm, const std::string& path) {
+MeshShare readMeshFiles(const Communicator& comm, const std::string& path, const std::vector<std::string>& fields) {
   std::vector<std::string> files;
   runOnRoot(comm, [&] { files = listMeshFiles(path); });
   files = broadcasted(comm, files);
-  if (files.size() == 1 && files[0] == path) return readExodusShare(comm, path);
+  if (files.size() == 1 && files[0] == path) return readExodusShare(comm, path, fields);
 
   const EvenRanges ranges{std::int64_t(files.size()), comm.getSize()};
   const auto first = std::size_t(ranges.begin(comm.getRank()));
   std::vector<ExodusPart> parts;
   runOnAllRanks(comm, [&] {
-    for (std::int64_t i = 0; i < ranges.count(comm.getRank()); ++i) parts.push_back(readExodusPart(files[first + std::size_t(i)]));
+    for (std::int64_t i = 0; i < ranges.count(comm.getRank()); ++i) parts.push_back(readExodusPart(files[first + std::size_t(i)], fields));
     requireSameParts(path, parts, files, first, files.size());
   });
   return joinParts(comm, path, std::move(parts));

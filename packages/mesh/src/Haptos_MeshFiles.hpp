@@ -13,8 +13,9 @@ namespace Haptos {
 /// Of a decomposed mesh every rank reads some whole files; N need not be the number of ranks.  Their number maps say
 /// which node and element of the whole mesh each is: nodes are numbered by ascending number, elements by block and then by
 /// ascending number, as in the file that was cut.  Nodes of node sets come by ascending index, sides by element and side.
+/// \param fields as `readExodusShare`
 /// \throws InputError  on all ranks; as `readExodusShare`, or a file is missing, or the files do not belong together.
-MeshShare readMeshFiles(const Communicator& comm, const std::string& path);
+MeshShare readMeshFiles(const Communicator& comm, const std::string& path, const std::vector<std::string>& fields = {});
 
 /// \brief The files of the mesh `path`: itself, or path.N.0 .. path.N.(N - 1) in their order.  Serial.
 /// \throws InputError  one is missing, or they are there for more than one N.

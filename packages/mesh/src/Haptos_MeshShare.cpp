@@ -76,6 +76,8 @@ MeshShare sliceOfMesh(const Mesh& whole, int rank, int ranks) {
   share.part.coordinates = slice(whole.coordinates, share.firstNode(), share.endNode());
   share.part.nodeNumbers = slice(whole.nodeNumbers, share.firstNode(), share.endNode());
   share.part.elementNumbers = slice(whole.elementNumbers, share.firstElement(), share.endElement());
+  for (const auto& field : whole.nodalFields)
+    share.part.nodalFields.push_back({field.name, slice(field.values, share.firstNode(), share.endNode())});
   sliceBlocks(whole, share);
   sliceSideSets(whole, share);
   sliceNodeSets(whole, share);

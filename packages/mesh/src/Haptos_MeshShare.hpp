@@ -15,7 +15,7 @@ namespace Haptos {
 ///
 /// - `title`, `wideIntegers`, number, order, ids, names and topologies of blocks and sets are the same on all ranks, so that
 ///   `findBlock`, `listSideSets` and their like answer as for the whole mesh;
-/// - `coordinates` and `nodeNumbers` are those of the nodes `firstNode()` .. `endNode()` - 1;
+/// - `coordinates`, `nodeNumbers` and the values of `nodalFields` are those of the nodes `firstNode()` .. `endNode()` - 1;
 /// - `connectivity` and `elementNumbers` are those of the elements `firstElement()` .. `endElement()` - 1, counted over all
 ///   blocks in their order; `connectivity` holds nodes by their index in the whole mesh, whoever holds them;
 /// - side sets hold the sides of these elements (`ElementSide::element` counts in the whole mesh), node sets those of their

@@ -29,7 +29,9 @@ struct SentNode {
 
 struct SentElement {
   Index index, number;
-  std::array<Index, 8> nodes;
+  std::vector<Index> nodes;
+
+  auto parts() { return std::tie(index, number, nodes); }  // see ByteWriter
 };
 
 /// \brief Joins parts step by step; what is wrong is told on all ranks.
@@ -45,6 +47,7 @@ class Joiner {
     agreeOnTopologies();
     const auto nodes = numberNodes();
     joinNodes(nodes);
+    joinNodalFields(nodes);
     const auto elements = numberElements();
     joinElements(nodes, elements);
     joinNodeSets(nodes);
@@ -69,6 +72,7 @@ class Joiner {
     runOnAllRanks(comm_, [&] {
       for (const auto& part : parts_) {
         requireSame("element blocks", listBlocks(part.mesh), listBlocks(share_.part));
+        requireSame("nodal fields", listNodalFields(part.mesh), listNodalFields(share_.part));
         requireSame("node sets", listNodeSets(part.mesh), listNodeSets(share_.part));
         requireSame("side sets", listSideSets(part.mesh), listSideSets(share_.part));
       }
@@ -81,6 +85,7 @@ class Joiner {
   static Mesh headerOf(const Mesh& mesh) {
     Mesh header;
     header.title = mesh.title;
+    for (const auto& field : mesh.nodalFields) header.nodalFields.push_back({field.name, {}});
     for (const auto& block : mesh.blocks) header.blocks.push_back({block.id, block.name, Topology{}, {}});
     for (const auto& set : mesh.nodeSets) header.nodeSets.push_back({set.id, set.name, {}});
     for (const auto& set : mesh.sideSets) header.sideSets.push_back({set.id, set.name, {}});
@@ -212,6 +217,28 @@ class Joiner {
     });
   }
 
+  /// Copies of a node may differ: the first file that has it counts.
+  void joinNodalFields(const std::vector<Index>& indices) {
+    struct Sent {
+      Index index;
+      double value;
+    };
+    for (std::size_t f = 0; f < share_.part.nodalFields.size(); ++f) {
+      std::vector<Sent> sent;
+      auto index = indices.begin();
+      for (const auto& part : parts_) {
+        for (const double value : part.mesh.nodalFields[f].values) sent.push_back({*index++, value});
+        if (part.mesh.nodalFields[f].values.empty()) index += std::ptrdiff_t(part.mesh.nodeNumbers.size());
+      }
+      auto came = sendItems(comm_, sent, [&](const Sent& s) { return share_.nodes.owner(s.index); });
+      if (!anyOfAll(comm_, !came.empty())) continue;  // nobody asked for it
+      auto& values = share_.part.nodalFields[f].values;
+      values.resize(std::size_t(share_.nodes.count(share_.rank)));
+      std::reverse(came.begin(), came.end());
+      for (const Sent& s : came) values[std::size_t(s.index - share_.firstNode())] = s.value;
+    }
+  }
+
   /// \return index of every element of every part, block by block as the mesh counts them.
   std::vector<Index> numberElements() {
     std::vector<Key> keys;
@@ -237,7 +264,7 @@ class Joiner {
         const auto n = std::size_t(nodesPerElement(block.topology));
         for (std::size_t e = 0; e < block.numElements(); ++e) {
           sent.push_back({*index++, *number++, {}});
-          for (std::size_t i = 0; i < n; ++i) sent.back().nodes[i] = nodes[firstNode + std::size_t(block.connectivity[n * e + i])];
+          for (std::size_t i = 0; i < n; ++i) sent.back().nodes.push_back(nodes[firstNode + std::size_t(block.connectivity[n * e + i])]);
         }
         block.connectivity = {};
       }
@@ -247,8 +274,7 @@ class Joiner {
     std::sort(mine.begin(), mine.end(), [](const SentElement& a, const SentElement& b) { return a.index < b.index; });
     for (const auto& element : mine) {
       auto& block = share_.part.blocks[std::size_t(locateElement(share_.blockStarts, element.index).block)];
-      block.connectivity.insert(block.connectivity.end(), element.nodes.begin(),
-                                element.nodes.begin() + nodesPerElement(block.topology));
+      block.connectivity.insert(block.connectivity.end(), element.nodes.begin(), element.nodes.end());
       share_.part.elementNumbers.push_back(element.number);
     }
   }

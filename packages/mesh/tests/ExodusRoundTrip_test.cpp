@@ -123,6 +123,19 @@ TEUCHOS_UNIT_TEST(ExodusRoundTrip, AllElementTypes) {
   compareWithFile(mesh, folder.file("mixed.exo"), out, success);
 }
 
+// Of the last step; the other field by its name alone.
+TEUCHOS_UNIT_TEST(Exodus, NodalFieldsAreReadWhereTheyAreWanted) {
+  const std::string wanted = "a_nodal_field_with_a_name_of_fifty_characters_____";
+  for (Mesh mesh : {makeRichMesh(), makeWideMesh()}) {
+    const TestFolder folder;
+    writeResults(worldComm(), folder.file("m.exo"), mesh);
+    const int rank = world().getRank(), ranks = world().getSize();
+    TEST_EQUALITY(difference(readExodusShare(world(), folder.file("m.exo")), sliceOfMesh(mesh, rank, ranks)), "");
+    mesh.nodalFields = {{"displacement_x", {}}, {wanted, makeFields(mesh, 3.0, 1).nodal[1].second}};
+    TEST_EQUALITY(difference(readExodusShare(world(), folder.file("m.exo"), {wanted, "none of them"}), sliceOfMesh(mesh, rank, ranks)), "");
+  }
+}
+
 TEUCHOS_UNIT_TEST(Exodus, MeshSurvivesClassicFile) {
   const TestFolder folder;
   const Mesh mesh = makeRichMesh();

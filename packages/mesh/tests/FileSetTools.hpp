@@ -98,6 +98,17 @@ inline void markAsPart(const std::string& file, int parts, const Haptos::Mesh& w
     require(ex_put_name(id, EX_NODE_MAP, 1, "original_global_id_map"));
     require(ex_put_name(id, EX_ELEM_MAP, 1, "original_global_id_map"));
   }
+  const int numFields = int(whole.nodalFields.size());
+  if (numFields > 0) require(ex_put_variable_param(id, EX_NODAL, numFields));
+  const double time = 1;
+  if (numFields > 0) require(ex_put_time(id, 1, &time));
+  for (int f = 0; f < numFields; ++f) {
+    const auto& field = whole.nodalFields[std::size_t(f)];
+    std::vector<double> values;
+    for (const auto n : nodes) values.push_back(field.values[std::size_t(n)]);
+    require(ex_put_variable_name(id, EX_NODAL, f + 1, field.name.c_str()));
+    require(ex_put_var(id, 1, EX_NODAL, f + 1, 1, std::int64_t(values.size()), values.data()));
+  }
   require(ex_close(id));
 }
 

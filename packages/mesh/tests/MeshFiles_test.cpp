@@ -9,6 +9,7 @@
 
 #include "FileSetTools.hpp"
 #include "Haptos_BoxMesh.hpp"
+#include "Haptos_CellMesh.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_ExodusReader.hpp"
@@ -70,7 +71,7 @@ bool has(const std::string& message, const std::vector<std::string>& texts, Teuc
 
 TEUCHOS_UNIT_TEST(MeshFiles, FileSetIsReadAsTheWholeFile) {
   const int rank = world().getRank(), ranks = world().getSize();
-  for (const Mesh& mesh : {makeRichMesh(), makeWideMesh(), twoBeams()})
+  for (const Mesh& mesh : {makeRichMesh(), makeWideMesh(), twoBeams(), withElements(makeTwoBeams({1, 2}), Topology::Hex27)})
     for (const int parts : {1, 2, 3, 5, 12}) {
       const TestFolder folder;
       const auto path = folder.file("m.exo");
@@ -78,6 +79,21 @@ TEUCHOS_UNIT_TEST(MeshFiles, FileSetIsReadAsTheWholeFile) {
       TEST_EQUALITY(int(listMeshFiles(path).size()), parts);
       TEST_EQUALITY(difference(readMeshFiles(world(), path), sliceOfMesh(withSortedSets(mesh), rank, ranks)), "");
     }
+}
+
+TEUCHOS_UNIT_TEST(MeshFiles, NodalFieldsOfAFileSet) {
+  const TestFolder folder;
+  Mesh mesh = twoBeams();
+  mesh.nodalFields = {{"MU", {}}, {"MV", {}}};
+  for (std::size_t i = 0; i < mesh.numNodes(); ++i) {
+    mesh.nodalFields[0].values.push_back(0.01 * double(i));
+    mesh.nodalFields[1].values.push_back(-1.0);
+  }
+  const auto path = folder.file("m.exo");
+  onRoot([&] { writeFileSet(path, mesh, scattered(mesh, 5), 5); });
+  Mesh wanted = withSortedSets(mesh);
+  wanted.nodalFields[1].values.clear();
+  TEST_EQUALITY(difference(readMeshFiles(world(), path, {"MU"}), sliceOfMesh(wanted, world().getRank(), world().getSize())), "");
 }
 
 TEUCHOS_UNIT_TEST(MeshFiles, NumbersNeedNotCountFromOne) {

@@ -148,6 +148,9 @@ inline std::string difference(const Haptos::MeshShare& a, const Haptos::MeshShar
   if (a.nodePositions != b.nodePositions) return "positions in node sets";
   for (std::size_t i = 0; i < p.nodeSets.size(); ++i)
     if (p.nodeSets[i].nodes != q.nodeSets[i].nodes) return "node set " + p.nodeSets[i].name;
+  if (listNodalFields(p) != listNodalFields(q)) return "nodal fields";
+  for (std::size_t i = 0; i < p.nodalFields.size(); ++i)
+    if (p.nodalFields[i].values != q.nodalFields[i].values) return "nodal field " + p.nodalFields[i].name;
   const auto same = [](const Haptos::ElementSide& s, const Haptos::ElementSide& t) { return s.element == t.element && s.side == t.side; };
   for (std::size_t i = 0; i < p.sideSets.size(); ++i) {
     const auto &s = p.sideSets[i].sides, &t = q.sideSets[i].sides;

@@ -125,7 +125,7 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
       continue;
     }
     interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{partner, 1.0}},
-                               makeFrame(secondary.normals[i], spec.principalDirection), match.gap[i],
+                               spec.frameAt(secondary.nodes[i], secondary.normals[i]), match.gap[i],
                                secondary.areas[i]});
   }
   if (interface.unpairedNodes > 0)
@@ -214,16 +214,17 @@ std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& 
 // Every secondary node is paired with the plane, whatever its distance: the gap is - (x - point) . n.
 void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, ContactInterface& interface) {
   // n = -Normal: outward from the body, towards the obstacle
-  const LocalFrame frame = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
+  const LocalFrame common = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
   double best = -1.0;
   const auto gapAt = [&](int node) {
-    return std::optional(-Vec3::dot(Vec3::subtract(secondary.coordinates[std::size_t(node)], spec.rigidPlane->point), frame.normal));
+    return std::optional(-Vec3::dot(Vec3::subtract(secondary.coordinates[std::size_t(node)], spec.rigidPlane->point), common.normal));
   };
   const auto add = [&](std::size_t i, std::vector<NodeWeight> weights, double gap, double area) {
+    const LocalFrame frame = spec.directionAt ? spec.frameAt(secondary.nodes[i], common.normal) : common;
     interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, gap, area});
   };
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
-    best = std::max(best, Vec3::dot(secondary.normals[i], frame.normal));
+    best = std::max(best, Vec3::dot(secondary.normals[i], common.normal));
     if (!hasMiddles(secondary)) add(i, {{secondary.nodes[i], 1.0}}, *gapAt(int(i)), secondary.areas[i]);
   }
   if (hasMiddles(secondary)) {

@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -35,10 +36,16 @@ struct ContactSpec {
   bool tied = false;             ///< bonded, no contact law
   bool isFrictionless = false;   ///< so that two contacts may act on one node in different directions
   std::array<double, 3> principalDirection = {1.0, 0.0, 0.0};
+  std::function<std::array<double, 3>(std::int64_t)> directionAt;  ///< by mesh node, in place of the one; or none
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
   MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
+
+  /// Axes at a mesh node with the normal n.
+  LocalFrame frameAt(std::int64_t node, const std::array<double, 3>& normal) const {
+    return makeFrame(normal, directionAt ? directionAt(node) : principalDirection);
+  }
 };
 
 /// \brief What a pairing must know beside the mesh; empty: nothing of the kind.

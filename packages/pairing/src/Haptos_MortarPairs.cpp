@@ -151,7 +151,7 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
     const auto i = std::size_t(row.node);
     const auto pointwise = row.isShared ? std::nullopt : gapOfRow(row, [&](int node) { return gaps.at(node); });
     ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(draft.primary, row.primary),
-                     makeFrame(s.normals[i], draft.spec->principalDirection), 0.0, row.w};
+                     draft.spec->frameAt(s.nodes[i], s.normals[i]), 0.0, row.w};
     pair.gap = pointwise.value_or(Vec3::dot(row.gap, pair.frame.normal));
     if (!around.isPrescribed.empty()) pair.isPinned = heldRows(around, pair, draft.spec->tied);
     interface.pairs.push_back(std::move(pair));

@@ -36,6 +36,7 @@ PairResult describePair(const LocalPair& local, const PairLaw& law, const std::a
   result.normalForce = l[0];
   result.pressure = l[0] / geometry.area;
   result.gap = -s[0];
+  if (law.frictional()) result.coefficients = law.coefficients;
   result.status = contactStatus(law, l, scales);
   return result;
 }

@@ -25,6 +25,7 @@ struct PairState {
   std::array<double, 3> slip;  ///< tangential part of u_secondary - u_primary
   std::array<double, 3> axis;    ///< t1
   std::array<double, 3> normal;  ///< n, out of the secondary surface
+  std::array<double, 2> coefficients;  ///< F1, F2 along t1, t2; 0 where there is no friction or a support holds the component
   ContactStatus status;          ///< Stick for tied pairs
 };
 

@@ -45,10 +45,12 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
 class ContactFields {
  public:
   explicit ContactFields(std::size_t n)
-      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0),
+      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), coefficients{Values(n, 0.0), Values(n, 0.0)}, normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0),
         most_(n, 0.0) {}
 
-  Values force, slip, axis, normalForce, pressure, gap, status;
+  Values force, slip, axis;
+  std::array<Values, 2> coefficients;
+  Values normalForce, pressure, gap, status;
 
   /// \param first node of the range
   void add(const std::vector<SentContact>& items, std::int64_t first) {
@@ -83,6 +85,7 @@ class ContactFields {
       slip[3 * i + d] = pair.slip[d];
       axis[3 * i + d] = pair.axis[d];
     }
+    for (std::size_t k = 0; k < 2; ++k) coefficients[k][i] = pair.coefficients[k];
   }
 
   Values most_;  // largest weight so far
@@ -141,6 +144,7 @@ ResultFields makeResultFields(const Communicator& comm, const EvenRanges& nodes,
   addVector(fields, "contact_slip", contact.slip);
   fields.nodal.emplace_back("contact_status", std::move(contact.status));
   addVector(fields, "friction_axis", contact.axis);
+  for (std::size_t k = 0; k < 2; ++k) fields.nodal.emplace_back("friction_coefficient_" + std::to_string(k + 1), std::move(contact.coefficients[k]));
 
   const char* const components[6] = {"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx"};
   const ElementResults& elements = results.elements;

@@ -114,7 +114,7 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
   const std::vector<std::string> nodalNames{
       "displacement_x", "displacement_y", "displacement_z", "contact_force_x", "contact_force_y", "contact_force_z",
       "contact_normal_force", "contact_pressure", "contact_gap", "contact_slip_x", "contact_slip_y", "contact_slip_z",
-      "contact_status", "friction_axis_x", "friction_axis_y", "friction_axis_z"};
+      "contact_status", "friction_axis_x", "friction_axis_y", "friction_axis_z", "friction_coefficient_1", "friction_coefficient_2"};
   const std::vector<std::string> elementNames{"stress_xx", "stress_yy", "stress_zz", "stress_xy", "stress_yz", "stress_zx", "von_mises", "subdomain"};
   TEST_ASSERT(nodal == nodalNames);
   TEST_ASSERT(element == elementNames);

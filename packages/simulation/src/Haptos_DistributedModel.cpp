@@ -77,7 +77,7 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   ModelDraft draft = draftModel(*comm, options, share.mesh);
   OwnElements own = completeElements(*comm, share.mesh);
   model.prescribed = collectDisplacements(*comm, options.conditions, share.mesh, own);
-  const auto interfaces = pairSurfaces(*comm, model.prescribed, own, draft);
+  const auto interfaces = pairSurfaces(*comm, share.mesh, model.prescribed, own, draft);
   PartitionOptions cut;
   runOnAllRanks(*comm, [&] { cut = partitionOptions(options.decomposition, share); });
   if (tuneCut) tuneCut(cut);

@@ -11,6 +11,7 @@
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_FrictionFields.hpp"
 #include "Haptos_MeshFiles.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Partition.hpp"
@@ -69,10 +70,10 @@ FrictionSpec frictionSpec(const FrictionOptions& options) {
   spec.tied = !options.law;
   spec.law = options.law.value_or(FrictionLaw::Frictionless);
   if (spec.law == FrictionLaw::Frictionless) return spec;
-  spec.coefficients = options.coefficients;
   if (spec.law == FrictionLaw::Tresca) spec.slipBound = options.slipBound;
+  if (!options.hasFields()) spec.coefficients = {options.coefficients[0].expression(0, 0, 0), options.coefficients[1].expression(0, 0, 0)};
   // Without any tangential resistance the tangential rows would only cost.
-  if (spec.coefficients == std::array<double, 2>{0, 0} || (spec.law == FrictionLaw::Tresca && spec.slipBound == 0))
+  if ((!options.hasFields() && spec.coefficients == std::array<double, 2>{0, 0}) || (spec.law == FrictionLaw::Tresca && spec.slipBound == 0))
     spec.law = FrictionLaw::Frictionless;
   return spec;
 }
@@ -164,6 +165,14 @@ void numberFromOne(std::vector<std::int64_t>& numbers, std::int64_t first, std::
   std::iota(numbers.begin(), numbers.end(), first + 1);
 }
 
+// A mesh in memory may have fields of any length.
+void requireFieldsOfNodes(const Mesh& mesh) {
+  for (const auto& field : mesh.nodalFields)
+    if (!field.values.empty() && field.values.size() != mesh.numNodes())
+      throw InputError("Mesh: its nodal field '" + field.name + "' has " + std::to_string(field.values.size()) + " values for " +
+                       std::to_string(mesh.numNodes()) + " nodes; give one for each");
+}
+
 SourceShare dealMesh(const Communicator& comm, const SourceMesh* source) {
   SourceShare share;
   static const Mesh nothing;
@@ -171,6 +180,7 @@ SourceShare dealMesh(const Communicator& comm, const SourceMesh* source) {
   int hasBricks = isRoot && !source->bricks.empty();
   Teuchos::broadcast(comm, 0, Teuchos::outArg(hasBricks));
   share.hasBricks = hasBricks;
+  runOnRoot(comm, [&] { requireFieldsOfNodes(isRoot ? source->mesh : nothing); });
   share.mesh = scatterMesh(comm, isRoot ? source->mesh : nothing);
   std::vector<std::vector<int>> bricks(std::size_t(comm.getSize()));
   if (isRoot && hasBricks)
@@ -213,19 +223,28 @@ void toWholeMesh(const std::vector<std::int64_t>& nodes, ContactPair& pair) {
 }
 
 // What all ranks report of the pairs.
-void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& interfaces, ModelData& data) {
+void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& interfaces, const std::vector<ContactOptions>& options,
+                ModelData& data) {
   struct Told {
     std::size_t unpairedNodes;
     long tiedPairs;
     bool isMortar;
+    std::array<double, 2> coefficients;  // largest, of pairs that have their own
     std::vector<std::string> notes, remarks;
 
-    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, notes, remarks); }  // see ByteWriter
+    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, coefficients, notes, remarks); }  // see ByteWriter
   };
   std::vector<Told> mine;
   for (const auto& interface : interfaces)
-    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, interface.notes, interface.remarks});
+    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, largestCoefficients(interface),
+                    interface.notes, interface.remarks});
+  std::size_t k = 0;
   for (const Told& told : gatheredOnAll(comm, mine)) {
+    FrictionSpec& friction = data.friction[k++];
+    if (options[k - 1].friction.hasFields() && friction.law != FrictionLaw::Frictionless) {
+      friction.coefficients = told.coefficients;
+      if (friction.coefficients == std::array<double, 2>{0, 0}) friction.law = FrictionLaw::Frictionless;
+    }
     data.unpairedNodes += told.unpairedNodes;
     data.tiedPairs += told.tiedPairs;
     data.isMortar.push_back(told.isMortar);
@@ -272,7 +291,7 @@ SourceShare makeShare(const Communicator& comm, const RunOptions& options, const
   SourceShare share;
   if (isInMemory) share = dealMesh(comm, source);
   else if (options.mesh.twoBeams) runOnAllRanks(comm, [&] { share = makeBeams(*options.mesh.twoBeams, comm.getRank(), comm.getSize()); });
-  else share.mesh = readMeshFiles(comm, options.mesh.file);
+  else share.mesh = readMeshFiles(comm, options.mesh.file, namedFields(options.contacts));
   numberFromOne(share.mesh.part.nodeNumbers, share.mesh.firstNode(), share.mesh.endNode());
   numberFromOne(share.mesh.part.elementNumbers, share.mesh.firstElement(), share.mesh.endElement());
   if (!options.title.empty()) share.mesh.part.title = options.title;
@@ -302,7 +321,9 @@ ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const
     chooseFormulation(draft.materialOfBlock, mesh.part, data);
     data.loads = collectLoads(options.conditions, mesh.part);
     requireLoadedSides(data.loads, mesh);
+    draft.contactOptions = options.contacts;
     for (const auto& contact : options.contacts) {
+      requireNodalFields(contact, mesh.part);
       data.interfaceNames.push_back(contact.name);
       data.friction.push_back(frictionSpec(contact.friction));
       draft.contacts.push_back(contactSpec(contact));
@@ -311,25 +332,31 @@ ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const
   return draft;
 }
 
-std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const std::vector<PrescribedDisplacement>& prescribed, OwnElements& own,
-                                           ModelDraft& draft) {
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshShare& mesh, const std::vector<PrescribedDisplacement>& prescribed,
+                                           OwnElements& own, ModelDraft& draft) {
   std::vector<int> rankOf;
   for (char isAt : elementsAt(own.part.mesh, draft.contacts)) rankOf.push_back(isAt ? 0 : -1);
   const PartialMesh surfaces = sendElements(comm, own.part, rankOf, std::vector<int>(rankOf.size(), 0)).part;
   const ContactSurroundings around = surroundingsOf(comm, own, surfaces, prescribed, draft);
+  const FrictionFields fields(comm, mesh, surfaces);
   std::vector<ContactInterface> interfaces;
   try {
-    runOnRoot(comm, [&] { interfaces = buildContact(surfaces.mesh, draft.contacts, around); });
+    runOnRoot(comm, [&] {
+      for (std::size_t k = 0; k < draft.contacts.size(); ++k) draft.contacts[k].directionAt = fields.directionAt(draft.contactOptions[k]);
+      interfaces = buildContact(surfaces.mesh, draft.contacts, around);
+      for (std::size_t k = 0; k < interfaces.size(); ++k) fields.setCoefficients(draft.contactOptions[k], interfaces[k]);
+    });
   } catch (const InputError&) {  // a surface of inverted elements cannot be paired: then the element is what must be named
     runOnAllRanks(comm, [&] { checkElements(own.part.mesh); });
     throw;
   }
+  for (auto& spec : draft.contacts) spec.directionAt = nullptr;  // refers to what ends here
   for (auto& interface : interfaces) {
     for (auto& pair : interface.pairs) toWholeMesh(surfaces.nodes, pair);
     for (auto& move : interface.moves) move.node = surfaces.nodes[std::size_t(move.node)];
   }
   moveNodes(comm, interfaces, own.part);
-  shareNotes(comm, interfaces, draft.data);
+  shareNotes(comm, interfaces, draft.contactOptions, draft.data);
   draft.surfaceElements = std::int64_t(surfaces.elements.size());
   return interfaces;
 }

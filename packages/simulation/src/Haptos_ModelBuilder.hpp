@@ -68,6 +68,7 @@ struct ModelDraft {
   ModelData data;
   std::vector<int> materialOfBlock;  ///< [blocks]
   std::vector<ContactSpec> contacts;
+  std::vector<ContactOptions> contactOptions;  ///< what they come from
   std::int64_t surfaceElements = 0;  ///< that rank 0 got for the pairing; set by `pairSurfaces`
 };
 
@@ -81,10 +82,11 @@ PartitionOptions partitionOptions(const DecompositionOptions& options, SourceSha
 
 /// \brief Pairs of all interfaces, on rank 0, which gets the elements at the surfaces; notes and counts go to the draft.  Collective.
 /// \param prescribed at the nodes of this rank's range, sorted
+/// \param mesh with the nodal fields that frictions name
 /// \param own its nodes are moved onto surfaces that they are tied to
 /// \throws InputError on all ranks
-std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const std::vector<PrescribedDisplacement>& prescribed, OwnElements& own,
-                                           ModelDraft& draft);
+std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshShare& mesh, const std::vector<PrescribedDisplacement>& prescribed,
+                                           OwnElements& own, ModelDraft& draft);
 
 /// \brief A contact pair that cannot move must respect its gap already.  Collective.
 /// \throws InsufficientModel on all ranks

@@ -13,7 +13,7 @@ ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<Fr
   std::vector<PairLaw> laws;
   for (const auto& pair : multipliers.pairs()) {
     const FrictionSpec& spec = friction[pair.interface];
-    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, spec.coefficients,
+    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, pair.geometry.coefficients.value_or(spec.coefficients),
                 spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
     for (int t = 0; t < 2; ++t)
       if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;
