@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Converts small gmsh meshes and reads the Exodus files back with plain netCDF4; checks inputs/dovetail.exo.
+"""Converts small gmsh meshes and reads the Exodus files back with plain netCDF4.
 
 Exit status 77 (skipped) where netCDF4 is missing, and where only gmsh is missing and all else passed.
 """
@@ -16,8 +16,8 @@ SKIPPED = 77
 sys.path.insert(0, str(SOURCE / "drivers"))
 
 try:
-    import netCDF4
     import numpy as np
+    from exodus_arrays import SIDE_NODES, Exodus
 except ImportError as error:
     print(f"skipped: {error}")
     sys.exit(SKIPPED)
@@ -28,114 +28,6 @@ try:
 except (ImportError, OSError) as error:   # OSError: the package is there, its system libraries are not
     gmsh = None
     print(f"conversion not tested: {error}")
-
-# The manual's tables, 1-based, written down here a second time on purpose.
-SIDE_NODES = {"HEX8": {1: (1, 2, 6, 5), 2: (2, 3, 7, 6), 3: (3, 4, 8, 7), 4: (1, 5, 8, 4), 5: (1, 4, 3, 2), 6: (5, 6, 7, 8)},
-              "TETRA4": {1: (1, 2, 4), 2: (2, 3, 4), 3: (1, 4, 3), 4: (1, 3, 2)},
-              "WEDGE6": {1: (1, 2, 5, 4), 2: (2, 3, 6, 5), 3: (1, 4, 6, 3), 4: (1, 3, 2), 5: (4, 5, 6)},
-              "PYRAMID5": {1: (1, 2, 5), 2: (2, 3, 5), 3: (3, 4, 5), 4: (1, 5, 4), 5: (1, 4, 3, 2)}}
-LINEAR = {"HEX20": "HEX8", "HEX27": "HEX8", "TETRA10": "TETRA4", "WEDGE15": "WEDGE6", "PYRAMID13": "PYRAMID5"}
-HEX_IN_TETS = [(0, 1, 3, 4), (1, 2, 3, 6), (1, 6, 4, 5), (3, 4, 6, 7), (1, 3, 4, 6)]
-
-
-class Exodus:
-    """An Exodus file as arrays: coordinates, blocks and sets by name."""
-
-    def __init__(self, path):
-        with netCDF4.Dataset(path) as file:
-            file.set_auto_mask(False)
-            self.format = file.data_model
-            self.title = file.title
-            self.x = np.stack([file["coord" + a][:] for a in "xyz"], axis=1)
-            self.node_map = file["node_num_map"][:] if "node_num_map" in file.variables else None
-            self.ids = {k: list(file[k + "_prop1"][:]) for k in ("eb", "ss", "ns") if k + "_prop1" in file.variables}
-            self.blocks = {n: (file[f"connect{k}"].elem_type, file[f"connect{k}"][:] - 1) for k, n in self._names(file, "eb")}
-            self.side_sets = {n: (file[f"elem_ss{k}"][:], file[f"side_ss{k}"][:]) for k, n in self._names(file, "ss")}
-            self.node_sets = {n: file[f"node_ns{k}"][:] - 1 for k, n in self._names(file, "ns")}
-        self._elements = [(shape, nodes) for shape, rows in self.blocks.values() for nodes in rows]
-
-    @staticmethod
-    def _names(file, kind):
-        if kind + "_names" not in file.variables:
-            return []
-        return enumerate((b"".join(row).rstrip(b"\0").decode() for row in file[kind + "_names"][:]), start=1)
-
-    def volumes(self, block):
-        shape, rows = self.blocks[block]
-        tets = HEX_IN_TETS if shape == "HEX8" else [(0, 1, 2, 3)]
-        x = self.x[rows]
-        return sum(np.linalg.det(x[:, t[1:]] - x[:, t[:1]]) / 6 for t in tets)
-
-    def facets(self, side_set):
-        for element, side in zip(*self.side_sets[side_set]):
-            shape, nodes = self._elements[element - 1]
-            yield nodes[np.array(SIDE_NODES[LINEAR.get(shape, shape)][side]) - 1]
-
-    def area_vector(self, side_set):
-        """Sum over the sides of area times outward normal, and the sum of the areas."""
-        vectors = []
-        for nodes in self.facets(side_set):
-            p = self.x[nodes]
-            vectors.append(np.cross(p[2] - p[0], p[-1] - p[1]) / 2 if len(p) == 4 else np.cross(p[1] - p[0], p[2] - p[0]) / 2)
-        return np.sum(vectors, axis=0), np.linalg.norm(vectors, axis=1).sum()
-
-    def set_nodes(self, side_set):
-        return np.unique(np.concatenate(list(self.facets(side_set))))
-
-
-class Dovetail(unittest.TestCase):
-    """The shipped mesh, by netCDF4 alone."""
-    path = SOURCE / "inputs" / "dovetail.exo"
-
-    @classmethod
-    def setUpClass(cls):
-        cls.mesh = Exodus(cls.path)
-
-    def test_size_and_blocks(self):
-        self.assertLess(self.path.stat().st_size, 3_000_000)
-        self.assertLess(len(self.mesh.x), 35_000)
-        self.assertEqual({n: s for n, (s, _) in self.mesh.blocks.items()}, {"root": "HEX8", "disc": "HEX8"})
-        for name in ("disc_cut_left", "disc_cut_right", "disc_inner", "root_top", "root_front", "root_back"):
-            self.assertGreater(len(self.mesh.side_sets[name][0]), 10, name)
-
-    def test_volumes_are_positive_and_nodes_used(self):
-        for name in self.mesh.blocks:
-            self.assertGreater(self.mesh.volumes(name).min(), 0, name)
-        used = np.unique(np.concatenate([rows.ravel() for _, rows in self.mesh.blocks.values()]))
-        self.assertEqual(len(used), len(self.mesh.x))
-        root, disc = (np.unique(rows) for _, rows in self.mesh.blocks.values())
-        self.assertEqual(len(np.intersect1d(root, disc)), 0, "root and disc must not be glued")
-
-    def test_flanks_match_node_by_node(self):
-        for side, x in (("left", -1), ("right", 1)):
-            root, disc = (self.mesh.set_nodes(f"{body}_flank_{side}") for body in ("root", "disc"))
-            self.assertGreater(len(root), 100)
-            self.assertEqual(len(root), len(disc))
-            a, b = (self.mesh.x[n][np.lexsort(self.mesh.x[n].round(9).T)] for n in (root, disc))
-            np.testing.assert_allclose(a, b, atol=1e-12)
-            outward, area = self.mesh.area_vector(f"root_flank_{side}")
-            inward, _ = self.mesh.area_vector(f"disc_flank_{side}")
-            np.testing.assert_allclose(outward, -inward, atol=1e-9)
-            self.assertAlmostEqual(np.linalg.norm(outward) / area, 1, places=9)      # plane
-            # 6 mm flank at 40 degrees to the radial direction, 30 mm long, sheared by 8 degrees along z
-            np.testing.assert_allclose(outward[:2], 180 * np.array([x * np.cos(np.radians(40)), np.sin(np.radians(40))]), rtol=1e-9)
-            self.assertAlmostEqual(outward[2] / outward[0], -np.tan(np.radians(8)), places=9)
-
-    def test_flanks_continue_as_fillets(self):
-        """Past the flank's edges root and disc part: no other node of the root lies on the disc, the gap opens from zero."""
-        flank = np.concatenate([self.mesh.set_nodes(f"root_flank_{s}") for s in ("left", "right")])
-        disc = self.mesh.x[np.unique(self.mesh.blocks["disc"][1])]
-        root = np.setdiff1d(np.unique(self.mesh.blocks["root"][1]), flank)
-        middle = root[np.abs(self.mesh.x[root, 2] - self.mesh.x[:, 2].min()) < 1e-9]
-        face = disc[np.abs(disc[:, 2] - self.mesh.x[:, 2].min()) < 1e-9]
-        gaps = np.array([np.linalg.norm(face - p, axis=1).min() for p in self.mesh.x[middle]])
-        self.assertGreater(gaps.min(), 0.005)
-        self.assertGreater(np.sum(gaps < 0.3), 4)      # the arcs leave each other slowly
-
-    def test_supports_are_planes_across_the_axes(self):
-        for name, axis in (("disc_cut_left", 0), ("disc_cut_right", 0), ("disc_inner", 1), ("root_front", 2)):
-            values = self.mesh.x[self.mesh.set_nodes(name), axis]
-            self.assertLess(np.ptp(values), 1e-9, name)
 
 
 # ---------------------------------------------------------------- conversion

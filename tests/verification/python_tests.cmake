@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 haptos_add_python_test(from_gmsh SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/from_gmsh_test.py LABELS verification TIMEOUT 300)
+haptos_add_python_test(dovetail_mesh SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/dovetail_mesh_test.py LABELS verification TIMEOUT 60)
 haptos_add_python_test(gmsh_elements LABELS verification TIMEOUT 300
          SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/gmsh_elements_test.py --haptos $<TARGET_FILE:haptos_program>)
 

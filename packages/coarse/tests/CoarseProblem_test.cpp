@@ -3,104 +3,12 @@
 #include "Haptos_CoarseProblem.hpp"
 
 #include <Teuchos_UnitTestHarness.hpp>
-#include <Tpetra_Core.hpp>
 
-#include <Eigen/Dense>
-
-#include "../../feti/tests/FetiScene.hpp"
+#include "CoarseScene.hpp"
 #include "Haptos_CoarseSchur.hpp"
-
-namespace {
 
 using namespace Haptos;
 using namespace Haptos::Testing;
-
-struct Case {
-  const char* name;
-  CoarseOptions options;
-  int holders;  // expected
-};
-
-std::vector<Case> allCases(int ranks) {
-  return {{"every rank", {1 << 20, 0}, ranks},
-          {"every rank, as groups of one", {0, 1}, ranks},
-          {"groups of two", {0, 2}, (ranks + 1) / 2},
-          {"groups of three", {0, 3}, (ranks + 2) / 3},
-          {"shared by all", {0, 0}, 1}};  // without CHOLMOD one a node: all ranks of a test share one memory
-}
-
-bool ranksShare(const Case& c, const Communicator& comm) {
-  return hasCholmod() && comm.getSize() > 1 && c.options.replicatedUpTo == 0 && c.options.ranksPerFactor == 0;
-}
-
-struct Model {
-  Scene scene = makeScene(heldScene(7));
-  Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
-  std::vector<double> q;
-
-  Model() {
-    for (std::size_t i = 0; i < localNumElements(*feti.map()); ++i)
-      q.push_back(1.5 + std::sin(double(feti.map()->getGlobalElement(LocalOrdinal(i)))));
-  }
-  CoarseProblem::Placement place(const CoarseOptions& options) const {
-    return std::make_shared<CoarsePlacement>(feti.comm, feti.G->dimension(), options);
-  }
-};
-
-// C^T diag(q) C b, summed over the ranks
-Dense gathered(const CoarseRows& C, const Dense& b, const std::vector<double>& q) {
-  const Dense mine = C.transpose() * (Eigen::Map<const Eigen::VectorXd>(q.data(), Eigen::Index(q.size())).asDiagonal() * Dense(C * b));
-  Dense sum(mine.rows(), mine.cols());
-  Teuchos::reduceAll(*Tpetra::getDefaultComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), sum.data());
-  return sum;
-}
-
-// b as a sum of different parts of the ranks.
-Dense partOf(const Dense& b, const Communicator& comm) {
-  const double ranks = comm.getSize(), mine = comm.getRank() + 1;
-  return b * (2 * mine / (ranks * (ranks + 1)));
-}
-
-// A chain of subdomains; rows over the first few links change, each of them is a row of another rank.
-struct Chain {
-  static constexpr int kSubdomains = 40;
-  RCP<const Communicator> comm = Tpetra::getDefaultComm();
-  CoarseRows fixed, changing;
-  std::vector<double> q;
-
-  explicit Chain(int touched, int subdomains = kSubdomains) : fixed(12 * subdomains, 6 * subdomains), changing(fixed) {
-    std::vector<Eigen::Triplet<double>> stays, changes;
-    for (int row = comm->getRank(); row < fixed.rows(); row += comm->getSize()) {
-      const int s = row / 12, first = std::max(0, 6 * (s - 1));
-      const bool isChanging = s < touched && row % 12 >= 6;
-      for (int j = first; j < 6 * (s + 1); ++j) (isChanging ? changes : stays).emplace_back(row, j, std::sin(1.7 * (row + 1) * (j + 1)) + (j == 6 * s + row % 6 ? 4 : 0));
-    }
-    fixed.setFromTriplets(stays.begin(), stays.end());
-    changing.setFromTriplets(changes.begin(), changes.end());
-    for (int row = 0; row < fixed.rows(); ++row) q.push_back(1.5 + std::sin(row));
-  }
-  CoarseProblem::Placement place(const CoarseOptions& options) const {
-    return std::make_shared<CoarsePlacement>(comm, fixed.cols(), options);
-  }
-};
-
-// C^T diag(q) C of all ranks' rows
-Dense denseGram(const CoarseRows& C, const std::vector<double>& q) { return gathered(C, Dense::Identity(C.cols(), C.cols()), q); }
-
-CoarseProblem::Holds twoHolds(Eigen::Index size) {
-  CoarseProblem::Holds holds(2, Eigen::SparseVector<double>(size));
-  for (int i = 0; i < 6; ++i) {
-    holds[0].insert(i) = 0.3 + i;            // a subdomain that changes
-    holds[1].insert(size - 6 + i) = 1 - 0.4 * i;  // and one that does not
-  }
-  return holds;
-}
-
-bool isSmall(const Dense& error, const Dense& wanted, double tolerance = 1e-11) {
-  return error.allFinite() && largest(error) <= tolerance * largest(wanted);
-}
-
-}  // namespace
 
 // Boxes of subdomains, each coupled to all that touch it; rows between those of the lowest layer change.
 struct Lattice {
@@ -322,91 +230,6 @@ TEUCHOS_UNIT_TEST(CoarseProblem, FixedPartAlone) {
           problem.reset();
           TEST_ASSERT(isSmall(fixed.solveSum(partOf(b, *chain.comm)) - xAlone, xAlone));
         }
-  }
-}
-
-// What changes may be factored in single precision, where something is condensed.
-TEUCHOS_UNIT_TEST(CoarseProblem, RoughRenewalsHaveSomeDigits) {
-  for (int touched : {10, Chain::kSubdomains}) {
-    const Chain chain(touched);
-    const Dense b = someColumns(chain.fixed.cols(), 2), wanted = (denseGram(chain.fixed, chain.q) + denseGram(chain.changing, chain.q)).llt().solve(b);
-    for (const Case& c : allCases(chain.comm->getSize())) {
-      CoarseProblem A(chain.place(c.options), {chain.fixed, chain.q}, {chain.changing, chain.q}, {}, CoarseProblem::Factor::WithRoughRenewal);
-      A.renew({chain.changing, chain.q});
-      const Dense error = A.solve(b) - wanted;
-      TEST_ASSERT(isSmall(error, wanted, 1e-3));
-      const bool isSingle = hasCholmod() && touched < Chain::kSubdomains && !ranksShare(c, *chain.comm);
-      TEST_EQUALITY(largest(error) > 1e-10 * largest(wanted), isSingle);
-      const CoarseProblem fixedAlone(A, {});  // in double all the same
-      TEST_ASSERT(isSmall(denseGram(chain.fixed, chain.q) * fixedAlone.solve(b) - b, b, 1e-10));
-    }
-  }
-}
-
-TEUCHOS_UNIT_TEST(SingleCholesky, SolvesOrSaysThatItDoesNot) {
-  const Dense X = someColumns(60, 60), B = someColumns(60, 2);
-  const Eigen::VectorXd units = Eigen::VectorXd::LinSpaced(60, -200, 200).unaryExpr([](double e) { return std::pow(10.0, e / 2); });
-  const Dense well = X * X.transpose() + 60 * Dense::Identity(60, 60);
-  Dense A = units.asDiagonal() * well * units.asDiagonal(), x = units.asDiagonal() * B;
-  SingleCholesky factor;
-  TEST_ASSERT(factor.factor(A));  // entries from 1e-200 to 1e200
-  factor.solve(x);
-  const Dense wanted = well.llt().solve(B), error = Dense(units.asDiagonal() * x) - wanted;
-  TEST_ASSERT(isSmall(error, wanted, 1e-4));
-  TEST_ASSERT(largest(error) > 1e-10 * largest(wanted));
-  A = Dense::Ones(60, 60) + 3e-6 * Dense::Identity(60, 60);  // definite in single precision, too, but of no use
-  TEST_ASSERT(!factor.factor(A));
-  A = -well;
-  TEST_ASSERT(!factor.factor(A));
-}
-
-// Holds count as fixed.
-TEUCHOS_UNIT_TEST(CoarseProblem, SeriesSolvesForWhatIsLeft) {
-  for (int touched : {10, Chain::kSubdomains}) {
-    const Chain chain(touched);
-    const Eigen::Index l = chain.fixed.cols(), c = 6 * touched;
-    const Dense F = denseGram(chain.fixed, chain.q), changing = denseGram(chain.changing, chain.q);
-    const Eigen::VectorXd stays = someColumns(l, 1);
-    for (const auto& holds : {CoarseProblem::Holds{}, twoHolds(l)}) {
-      Dense H = Dense::Zero(l, l);
-      for (const auto& w : holds) H += Dense(w) * Dense(w).transpose();
-      const Dense held = F + (F + changing).diagonal().maxCoeff() * H, A = held + changing, alone = F + F.diagonal().maxCoeff() * H;
-      for (const Case& place : allCases(chain.comm->getSize())) {
-        out << touched << " change, " << holds.size() << " holds, " << place.name << "\n";
-        CoarseProblem problem(chain.place(place.options), {chain.fixed, chain.q}, {chain.changing, chain.q}, holds);
-        problem.renew({chain.changing, chain.q});
-        CoarseProblem::Series series(problem, partOf(stays, *chain.comm));
-        Eigen::VectorXd total = Eigen::VectorXd::Zero(l);
-        for (int k = 0; k < 3; ++k) {
-          Eigen::VectorXd changes = Eigen::VectorXd::Zero(l);
-          changes.head(c) = someColumns(c, 3).col(k);
-          const Eigen::VectorXd wanted = A.llt().solve(stays + changes - held * total);
-          total += wanted;
-          const Eigen::VectorXd found = series.next(partOf(changes, *chain.comm));
-          TEST_ASSERT(isSmall((found - wanted).head(c), wanted));
-        }
-        const CoarseProblem fixedAlone(problem, holds);
-        Eigen::VectorXd changes = Eigen::VectorXd::Zero(l);
-        changes.head(c) = someColumns(c, 4).col(3);
-        const Eigen::VectorXd wanted = alone.llt().solve(stays + changes);
-        TEST_ASSERT(isSmall(series.last(fixedAlone, partOf(changes, *chain.comm)) - wanted, wanted));
-        TEST_EQUALITY(problem.solves(), 3L);
-        TEST_EQUALITY(fixedAlone.solves(), 1L);
-      }
-    }
-  }
-}
-
-TEUCHOS_UNIT_TEST(CoarseProblem, NotPositiveDefiniteRenewalIsToldOnAllRanks) {
-  const Chain chain(10);
-  const CoarseRows nothing(chain.fixed.rows(), chain.fixed.cols());
-  CoarseRows headless = chain.fixed;  // the first subdomain is left to the changing rows
-  headless.prune([](Eigen::Index, Eigen::Index column, double) { return column >= 6; });
-  for (const Case& c : allCases(chain.comm->getSize())) {
-    CoarseProblem others(chain.place(c.options), {nothing, chain.q}, {chain.changing, chain.q}, {});
-    TEST_THROW(others.renew({chain.changing, chain.q}), std::runtime_error);
-    CoarseProblem changing(chain.place(c.options), {headless, chain.q}, {chain.changing, chain.q}, {});
-    TEST_THROW(changing.renew({nothing, chain.q}), std::runtime_error);
   }
 }
 
