@@ -24,3 +24,11 @@ set_tests_properties(result_in_vtk PROPERTIES FIXTURES_REQUIRED result_for_vtk)
 # The charts, from a few small runs.
 haptos_add_python_test(chart LABELS verification TIMEOUT 600
          SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/chart_test.py --haptos $<TARGET_FILE:haptos_program> --scenes-test $<TARGET_FILE:scenes_test>)
+
+# Scenes with known answers (doc/verification), the smallest variant of each; examples.
+foreach(kind Small Large Examples)
+  string(TOLOWER ${kind} name)
+  haptos_add_python_test(benchmarks_${name} LABELS verification TIMEOUT 600
+           SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/benchmarks/benchmarks_test.py --haptos $<TARGET_FILE:haptos_program> ${kind})
+endforeach()
+set_tests_properties(benchmarks_large PROPERTIES LABELS "verification;slow")

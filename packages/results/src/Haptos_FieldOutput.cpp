@@ -70,13 +70,13 @@ class ContactFields {
  private:
   void addForce(std::size_t i, const SentContact& item) {
     for (std::size_t d = 0; d < 3; ++d) force[3 * i + d] += item.factor * item.pair.force[d];
-    normalForce[i] += std::abs(item.factor) * item.pair.normalForce;
   }
 
   void describe(std::size_t i, double weight, const PairState& pair) {
     auto& share = shares_[{pair.interface, i}];
     share[0] += weight * pair.normalForce;
     share[1] += weight * pair.area;
+    normalForce[i] += weight * pair.normalForce;
     gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
     status[i] = std::max(status[i], double(int(pair.status)));
     if (weight < most_[i]) return;
