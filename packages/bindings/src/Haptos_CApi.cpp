@@ -3,7 +3,6 @@
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_ParameterList.hpp>
-#include <Tpetra_CrsMatrix.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -12,6 +11,7 @@
 
 #include "Haptos_ContactSystem.hpp"
 #include "Haptos_Error.hpp"
+#include "Haptos_GivenMatrix.hpp"
 #include "Haptos_NodeValues.hpp"
 #include "Haptos_ParameterXml.hpp"
 #include "haptos.h"
@@ -20,21 +20,6 @@ namespace {
 
 using namespace Haptos;
 
-// A subdomain's matrix, and where the caller's entries belong.
-struct Matrix {
-  std::vector<std::int64_t> starts;
-  std::vector<LocalOrdinal> columns;
-  RCP<CrsMatrix> K;
-
-  void take(const double* values) {
-    K->resumeFill();
-    K->setAllToScalar(0.0);
-    for (std::size_t row = 0; row + 1 < starts.size(); ++row)
-      K->sumIntoLocalValues(LocalOrdinal(row), LocalOrdinal(starts[row + 1] - starts[row]), values + starts[row], columns.data() + starts[row]);
-    K->fillComplete();
-  }
-};
-
 thread_local std::string messageOfCreation;
 
 }  // namespace
@@ -42,7 +27,7 @@ thread_local std::string messageOfCreation;
 struct haptos_system {
   RCP<const Communicator> comm;  // of this system alone
   std::unique_ptr<ContactSystem> system;
-  std::vector<Matrix> matrices;  // of this rank's subdomains
+  std::vector<GivenMatrix> matrices;  // of this rank's subdomains
   std::vector<int> nodesOfElement;
   std::vector<std::int64_t> loaded;
   std::vector<double> loads;
@@ -98,10 +83,6 @@ int collective(haptos_system* system, Work&& work) {
   });
 }
 
-void require(bool holds, const std::string& otherwise) {
-  if (!holds) throw InputError(otherwise);
-}
-
 template <class T>
 Teuchos::ArrayView<const T> view(const T* data, std::int64_t size) {
   return {data, Teuchos::Ordinal(size)};
@@ -123,27 +104,6 @@ FrictionSpec frictionOf(const haptos_friction* given) {
 
 static_assert(int(FrictionLaw::Frictionless) == HAPTOS_FRICTIONLESS && int(FrictionLaw::Tresca) == HAPTOS_TRESCA &&
               int(FrictionLaw::Coulomb) == HAPTOS_COULOMB);
-
-Matrix matrixOf(const haptos_subdomain& given) {
-  const std::int64_t rows = 3 * std::int64_t(given.num_nodes);
-  require(given.num_nodes > 0 && given.nodes && given.coordinates && given.row_starts && given.columns && given.values,
-          "A subdomain lacks nodes, coordinates or a matrix.");
-  require(given.row_starts[0] == 0 && std::is_sorted(given.row_starts, given.row_starts + rows + 1),
-          "The row starts of a subdomain's matrix must begin with 0 and not fall.");
-  Matrix matrix{{given.row_starts, given.row_starts + rows + 1}, {given.columns, given.columns + given.row_starts[rows]}, {}};
-  for (auto column : matrix.columns)
-    require(column >= 0 && column < rows, "A subdomain's matrix has column " + std::to_string(column) + "; it has " + std::to_string(rows) +
-                                              ", numbered from 0.");
-  const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(rows), 0, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))));
-  std::vector<std::size_t> lengths;
-  for (std::int64_t row = 0; row < rows; ++row) lengths.push_back(std::size_t(matrix.starts[row + 1] - matrix.starts[row]));
-  matrix.K = Teuchos::rcp(new CrsMatrix(map, map, Teuchos::arrayViewFromVector(lengths)));
-  for (std::int64_t row = 0; row < rows; ++row)
-    matrix.K->insertLocalValues(LocalOrdinal(row), LocalOrdinal(lengths[row]), given.values + matrix.starts[row],
-                                matrix.columns.data() + matrix.starts[row]);
-  matrix.K->fillComplete();
-  return matrix;
-}
 
 PairInput pairOf(const haptos_pairs& given, int i) {
   PairInput pair;
@@ -263,7 +223,7 @@ int haptos_add_interface(haptos_system* system, const char* name, const haptos_f
 int haptos_add_subdomain(haptos_system* system, const haptos_subdomain* given, int* number) {
   return local(system, [&](ContactSystem& s) {
     require(given != nullptr, "A subdomain is NULL.");
-    system->matrices.push_back(matrixOf(*given));
+    system->matrices.push_back(givenMatrix(*given));
     if (number != nullptr) *number = int(system->matrices.size()) - 1;
     const auto ids = idsOf(given->nodes, given->num_nodes);
     const auto unknowns = 3 * std::int64_t(given->num_nodes);

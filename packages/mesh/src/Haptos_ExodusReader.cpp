@@ -198,8 +198,7 @@ class Reader {
     checkedCount(sizes_.num_node_sets, "node sets");
     checkedCount(sizes_.num_side_sets, "side sets");
     if (sizes_.num_nodes == 0 || sizes_.num_elem == 0)
-      refuse("the mesh has " + std::to_string(sizes_.num_nodes) + " nodes and " +
-             std::to_string(sizes_.num_elem) + " elements.");
+      refuse("the mesh has " + std::to_string(sizes_.num_nodes) + " nodes and " + std::to_string(sizes_.num_elem) + " elements.");
     share_.nodes = {sizes_.num_nodes, comm_.getSize()};
     share_.elements = {sizes_.num_elem, comm_.getSize()};
   }
@@ -277,8 +276,7 @@ class Reader {
       const std::string what = "element block " + quoted(ids[s.array], names[s.array]);
       auto& block = blocks[s.array];
       block.connectivity.resize(std::size_t(s.count * nodesPerElement(block.topology)));
-      require(ex_get_partial_conn(file_->id(), EX_ELEM_BLOCK, ids[s.array], s.first + 1, s.count, block.connectivity.data(),
-                                  nullptr, nullptr),
+      require(ex_get_partial_conn(file_->id(), EX_ELEM_BLOCK, ids[s.array], s.first + 1, s.count, block.connectivity.data(), nullptr, nullptr),
               "the connectivity of " + what);
       makeZeroBased(block.connectivity, what);
     }
@@ -357,8 +355,7 @@ class Reader {
     for (const auto& s : readSets(EX_SIDE_SET, sizes_.num_side_sets, "side set", sets, share_.sideSetSizes)) {
       const std::string what = "side set " + quoted(sets[s.array].id, sets[s.array].name);
       std::vector<Index> elements(std::size_t(s.count), 0), sides(elements);
-      require(ex_get_partial_side_set(file_->id(), sets[s.array].id, s.first + 1, s.count, elements.data(), sides.data()),
-              what);
+      require(ex_get_partial_side_set(file_->id(), sets[s.array].id, s.first + 1, s.count, elements.data(), sides.data()), what);
       for (std::size_t i = 0; i < elements.size(); ++i) {
         const ElementSide side = checkedSide(elements[i], sides[i], what);
         members.push_back({s.first + Index(i), side.element, int(s.array), side.side});
@@ -370,13 +367,11 @@ class Reader {
   /// 0-based; refused where there is no such element or side.
   ElementSide checkedSide(Index element, Index side, const std::string& what) const {
     if (element < 1 || element > sizes_.num_elem)
-      refuse(what + " refers to element " + std::to_string(element) + ", but the elements go from 1 to " +
-             std::to_string(sizes_.num_elem) + ".");
+      refuse(what + " refers to element " + std::to_string(element) + ", but the elements go from 1 to " + std::to_string(sizes_.num_elem) + ".");
     const auto topology = share_.part.blocks[std::size_t(locateElement(share_.blockStarts, element - 1).block)].topology;
     if (side < 1 || side > sidesPerElement(topology))
-      refuse(what + " refers to side " + std::to_string(side) + " of element " + std::to_string(element) +
-             ", but the sides of a " + topologyName(topology) + " go from 1 to " +
-             std::to_string(sidesPerElement(topology)) + ".");
+      refuse(what + " refers to side " + std::to_string(side) + " of element " + std::to_string(element) + ", but the sides of a " +
+             topologyName(topology) + " go from 1 to " + std::to_string(sidesPerElement(topology)) + ".");
     return {element - 1, int(side - 1)};
   }
 

@@ -1,0 +1,46 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_GivenMatrix.hpp"
+
+#include <Teuchos_DefaultMpiComm.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_Map.hpp>
+#include <algorithm>
+
+#include "Haptos_Error.hpp"
+
+namespace Haptos {
+
+void require(bool holds, const std::string& otherwise) {
+  if (!holds) throw InputError(otherwise);
+}
+
+void GivenMatrix::take(const double* values) {
+  K->resumeFill();
+  K->setAllToScalar(0.0);
+  for (std::size_t row = 0; row + 1 < starts.size(); ++row)
+    K->sumIntoLocalValues(LocalOrdinal(row), LocalOrdinal(starts[row + 1] - starts[row]), values + starts[row], columns.data() + starts[row]);
+  K->fillComplete();
+}
+
+GivenMatrix givenMatrix(const haptos_subdomain& given) {
+  const std::int64_t rows = 3 * std::int64_t(given.num_nodes);
+  require(given.num_nodes > 0 && given.nodes && given.coordinates && given.row_starts && given.columns && given.values,
+          "A subdomain lacks nodes, coordinates or a matrix.");
+  require(given.row_starts[0] == 0 && std::is_sorted(given.row_starts, given.row_starts + rows + 1),
+          "The row starts of a subdomain's matrix must begin with 0 and not fall.");
+  GivenMatrix matrix{{given.row_starts, given.row_starts + rows + 1}, {given.columns, given.columns + given.row_starts[rows]}, {}};
+  for (auto column : matrix.columns)
+    require(column >= 0 && column < rows, "A subdomain's matrix has column " + std::to_string(column) + "; it has " + std::to_string(rows) +
+                                              ", numbered from 0.");
+  const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(rows), 0, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))));
+  std::vector<std::size_t> lengths;
+  for (std::int64_t row = 0; row < rows; ++row) lengths.push_back(std::size_t(matrix.starts[row + 1] - matrix.starts[row]));
+  matrix.K = Teuchos::rcp(new CrsMatrix(map, map, Teuchos::arrayViewFromVector(lengths)));
+  for (std::int64_t row = 0; row < rows; ++row)
+    matrix.K->insertLocalValues(LocalOrdinal(row), LocalOrdinal(lengths[row]), given.values + matrix.starts[row],
+                                matrix.columns.data() + matrix.starts[row]);
+  matrix.K->fillComplete();
+  return matrix;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "Haptos_Types_fwd.hpp"
+#include "haptos.h"
+
+namespace Haptos {
+
+/// \brief A subdomain's matrix as it was given, and where the caller's entries belong, in whatever order they come.
+struct GivenMatrix {
+  std::vector<std::int64_t> starts;
+  std::vector<LocalOrdinal> columns;
+  RCP<CrsMatrix> K;
+
+  void take(const double* values);  ///< other values in the same places
+};
+
+/// \throws InputError where there is no matrix, or none of this size
+GivenMatrix givenMatrix(const haptos_subdomain& given);
+
+/// \throws InputError(otherwise) unless it holds
+void require(bool holds, const std::string& otherwise);
+
+}  // namespace Haptos
