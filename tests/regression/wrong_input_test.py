@@ -225,6 +225,26 @@ class WrongFriction(WrongInput):
         self.refuse(self.with_friction(Cylindrical=axes, Principal_Field=["MU", "MU", "MU"]), "only one of", "'Cylindrical'", "'Principal Field'")
 
 
+class WrongGap(WrongInput):
+    def with_joint(self, **changes):
+        scene = stack()
+        scene["Contact"]["joint"].update({name.replace("_", " "): value for name, value in changes.items()})
+        return scene
+
+    def test_gap(self):
+        self.refuse(self.with_joint(Gap="closed"), "Contact->joint->Gap", "'closed'", "Geometric", "Closed")
+        self.refuse(self.with_joint(Gap="1/(x - 0.5)"), "Contact->joint->Gap", "inf", "0.5")
+        self.refuse(self.with_joint(Initial_Penetration="Remove"), "Contact->joint->Initial Penetration", "'Remove'", "Resolve", "Ignore")
+
+    def test_smoothing(self):
+        for shape in ("Cylinder", "Sphere"):
+            self.refuse(self.with_joint(Primary_Smoothing=shape, Discretization="Mortar"), "'joint'", "'lower_top'", shape.lower(), "Primary Smoothing None")
+        scene = self.with_joint(Primary_Smoothing="Sphere")
+        del scene["Contact"]["joint"]["Primary Side Set"]
+        scene["Contact"]["joint"]["Rigid Plane"] = {"Point": [0.0, 0.0, 1.0], "Normal": [0.0, 0.0, 1.0]}
+        self.refuse(scene, "Contact->joint->Primary Smoothing", "Rigid Plane")
+
+
 class WrongConditions(WrongInput):
     def with_press(self, expression):
         scene = stack()

@@ -154,6 +154,30 @@ FrictionOptions frictionOptions(const ParameterList& list, const std::string& pa
   return friction;
 }
 
+const std::string geometric = "Geometric", closed = "Closed";
+
+std::optional<Expression> gapOf(const ParameterList& list, const std::string& path) {
+  if (list.isType<double>("Gap")) return Expression(list.get<double>("Gap"));
+  const auto& text = list.get<std::string>("Gap");
+  if (text == geometric) return std::nullopt;
+  return text == closed ? Expression(0.0) : Expression(text, path);
+}
+
+std::string wrongGap(const ParameterList& list) {
+  try {
+    if (list.isParameter("Gap")) gapOf(list, "Gap");
+  } catch (const InputError& e) {
+    return std::string(e.what()) + "; or give " + geometric + " or " + closed;
+  }
+  return "";
+}
+
+std::string smoothedPlane(const ParameterList& list) {
+  const std::string none = nameOf(PrimarySmoothing::None);
+  if (!list.isSublist("Rigid Plane") || !list.isParameter("Primary Smoothing") || list.get<std::string>("Primary Smoothing") == none) return "";
+  return "Primary Smoothing: is of no use for a Rigid Plane; leave it out";
+}
+
 std::string sameSurface(const ParameterList& list) {
   if (!list.isParameter("Primary Side Set")) return "";
   const auto& name = list.get<std::string>("Primary Side Set");
@@ -177,6 +201,9 @@ ContactOptions contactOptions(const std::string& name, const ParameterList& list
   contact.discretization = choiceNamed<Discretization>(list.get<std::string>("Discretization"));
   contact.sides = choiceNamed<ContactSides>(list.get<std::string>("Sides"));
   contact.multiplierSpace = choiceNamed<MultiplierSpace>(list.get<std::string>("Multiplier Space"));
+  contact.gap = gapOf(list, joinPath(contact.path, "Gap"));
+  contact.initialPenetration = choiceNamed<InitialPenetration>(list.get<std::string>("Initial Penetration"));
+  contact.smoothing = choiceNamed<PrimarySmoothing>(list.get<std::string>("Primary Smoothing"));
   contact.matchingTolerance = list.get<double>("Matching Tolerance");
   contact.friction = frictionOptions(list.sublist("Friction"), joinPath(contact.path, "Friction"));
   return contact;
@@ -204,6 +231,20 @@ ParameterTree contactSection() {
                          "as a whole")
                .defaultTo(std::string(nameOf(ContactOptions{}.multiplierSpace)))
                .oneOf(choiceNames<MultiplierSpace>()))
+      .add(ParameterSpec("Gap", {Type::Double, Type::String},
+                         "Distance of the surfaces along the secondary surface's normal, negative where they overlap: Geometric takes it from the mesh, Closed "
+                         "is 0; or a number, or an expression of x, y, z at the nodes that carry multipliers. Of no effect where Law is Tied")
+               .defaultTo(geometric)
+               .measuredIn("length"))
+      .add(ParameterSpec("Initial Penetration", {Type::String},
+                         "Where the surfaces overlap at the start: Resolve presses them apart (an interference fit), Ignore takes them as touching")
+               .defaultTo(std::string(nameOf(ContactOptions{}.initialPenetration)))
+               .oneOf(choiceNames<InitialPenetration>()))
+      .add(ParameterSpec("Primary Smoothing", {Type::String},
+                         "Mortar: gaps are measured to a curved surface through the nodes of the primary one, against the noise of facets (curvature x h^2 / 8): "
+                         "Cylinder and Sphere are fitted to all its nodes, Nagata patches follow the normals at the nodes of each linear face")
+               .defaultTo(std::string(nameOf(ContactOptions{}.smoothing)))
+               .oneOf(choiceNames<PrimarySmoothing>()))
       .add(ParameterSpec(
                "Matching Tolerance", {Type::Double},
                "Node To Node: largest tangential distance of paired nodes, relative to the element size")
@@ -212,7 +253,9 @@ ParameterTree contactSection() {
                .measuredIn("-"))
       .add(friction())
       .exactlyOneOf({"Primary Side Set", "Rigid Plane"})
-      .rule("The two side sets differ.", sameSurface);
+      .rule("The two side sets differ.", sameSurface)
+      .rule("`Gap` is a word, a number or an expression as in Boundary Conditions.", wrongGap)
+      .rule("`Primary Smoothing` goes with a `Primary Side Set`.", smoothedPlane);
   ParameterTree contact("Contact", "One list for each contact; without this section there is no contact.");
   contact.addUserNamed(std::move(pair), 0);
   return contact;

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_ContactChoices.hpp"
 #include "Haptos_Expression.hpp"
 #include "Haptos_Options.hpp"
 
@@ -93,6 +94,9 @@ struct ContactOptions {
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
   MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
+  std::optional<Expression> gap;  ///< [length]; none: that of the geometry
+  InitialPenetration initialPenetration = InitialPenetration::Resolve;
+  PrimarySmoothing smoothing = PrimarySmoothing::None;
   double matchingTolerance = 1e-3;  ///< of the element size
   FrictionOptions friction;
 };

@@ -28,9 +28,17 @@ struct ContactPair {
   double gap;                  ///< initial distance along the normal; negative: initial penetration
   double area;                 ///< tributary area of the secondary node
   std::array<char, 3> isPinned{};  ///< rows N, T1, T2 (x, y, z of a tied pair) that are left out whatever they reach
-  std::optional<std::array<double, 2>> coefficients;  ///< F1, F2 [-] of its own; else those of its interface
+  std::optional<std::array<double, 2>> coefficients = std::nullopt;  ///< F1, F2 [-] of its own; else those of its interface
+  double size = 0;             ///< shortest edge around the secondary node; 0 where no mesh is known
 
-  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients); }  ///< see ByteWriter
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients, size); }  ///< see ByteWriter
+};
+
+/// \brief The deepest overlap of two surfaces before any load; depth 0: none.
+struct InitialOverlap {
+  double depth = 0;
+  std::int64_t nodeNumber = 0;  ///< as the mesh counts them
+  std::array<double, 3> place{};
 };
 
 struct NodeMove {
@@ -44,6 +52,7 @@ struct ContactInterface {
   bool tied = false;               ///< both sides are bonded: [u] = 0, whatever the gap
   std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
   bool isMortar = false;
+  InitialOverlap overlap;
   std::vector<NodeMove> moves;     ///< of nodes in the mesh that the stiffness is made with
   std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd
   std::vector<std::string> remarks;  ///< the same, of what is as it should be

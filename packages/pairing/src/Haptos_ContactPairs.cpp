@@ -94,19 +94,28 @@ std::string unpairedNote(const ContactSurface& secondary, const ContactSurface& 
 }
 
 // Deeper than an element: more likely surfaces that face away from each other than an interference fit.
-void notePenetration(const Mesh& mesh, const ContactSurface& secondary, ContactInterface& interface) {
+void notePenetration(const Mesh& mesh, const ContactSurface& secondary, const ContactPair& deepest, ContactInterface& interface) {
+  const double size = deepest.size;
+  constexpr double kRoundOff = 1e-10;
+  if (!(deepest.gap < -kRoundOff * size)) return;
+  const auto node = std::size_t(deepest.secondaryNode);
+  interface.overlap = {-deepest.gap, mesh.nodeNumbers.empty() ? deepest.secondaryNode + 1 : mesh.nodeNumbers[node], mesh.coordinates[node]};
+  if (!(deepest.gap < -size)) return;
+  std::ostringstream text;
+  text << "initial penetration of " << -deepest.gap << ", more than the element size " << size << ", at "
+       << describeNode(mesh, deepest.secondaryNode) << " of '" << secondary.name
+       << "': do the surfaces face each other?";
+  interface.notes.push_back(text.str());
+}
+
+// What is known of all gaps together.
+void finishGaps(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary, ContactInterface& interface) {
   const auto deepest = std::min_element(interface.pairs.begin(), interface.pairs.end(),
                                         [](const auto& a, const auto& b) { return a.gap < b.gap; });
   if (deepest == interface.pairs.end()) return;
-  const auto position =
-      std::lower_bound(secondary.nodes.begin(), secondary.nodes.end(), deepest->secondaryNode);
-  const double size = secondary.sizes[std::size_t(position - secondary.nodes.begin())];
-  if (!(deepest->gap < -size)) return;
-  std::ostringstream text;
-  text << "initial penetration of " << -deepest->gap << ", more than the element size " << size << ", at "
-       << describeNode(mesh, deepest->secondaryNode) << " of '" << secondary.name
-       << "': do the surfaces face each other?";
-  interface.notes.push_back(text.str());
+  notePenetration(mesh, secondary, *deepest, interface);
+  if (spec.initialPenetration == InitialPenetration::Ignore && !spec.tied)
+    for (auto& pair : interface.pairs) pair.gap = std::max(pair.gap, 0.0);
 }
 
 // One pair a secondary node that has a partner; nodes without one take no part, which is noted.
@@ -125,8 +134,10 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
       continue;
     }
     interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{partner, 1.0}},
-                               spec.frameAt(secondary.nodes[i], secondary.normals[i]), match.gap[i],
+                               spec.frameAt(secondary.nodes[i], secondary.normals[i]),
+                               spec.gapAt ? spec.gapAt(secondary.nodes[i]) : match.gap[i],
                                secondary.areas[i]});
+    interface.pairs.back().size = secondary.sizes[i];
   }
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(secondary, primary, interface.unpairedNodes));
@@ -197,7 +208,7 @@ std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& 
     reason = "faces are quadratic";
   } else if (spec.discretization != Discretization::Mortar) try {
       pairNodeToNode(spec, {mesh, spec.name, secondary, primary}, interface);
-      notePenetration(mesh, secondary, interface);
+      finishGaps(mesh, spec, secondary, interface);
       return {};
     } catch (const NonMatchingError&) {
       if (spec.discretization == Discretization::NodeToNode) throw;
@@ -217,11 +228,13 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
   const LocalFrame common = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
   double best = -1.0;
   const auto gapAt = [&](int node) {
+    if (spec.gapAt) return std::optional(spec.gapAt(secondary.nodes[std::size_t(node)]));
     return std::optional(-Vec3::dot(Vec3::subtract(secondary.coordinates[std::size_t(node)], spec.rigidPlane->point), common.normal));
   };
   const auto add = [&](std::size_t i, std::vector<NodeWeight> weights, double gap, double area) {
     const LocalFrame frame = spec.directionAt ? spec.frameAt(secondary.nodes[i], common.normal) : common;
     interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, gap, area});
+    interface.pairs.back().size = secondary.sizes[i];
   };
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     best = std::max(best, Vec3::dot(secondary.normals[i], common.normal));
@@ -247,7 +260,7 @@ std::optional<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& s
   interface.tied = spec.tied;
   if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, std::move(secondary), interface);
   pairWithPlane(spec, secondary, interface);
-  notePenetration(mesh, secondary, interface);
+  finishGaps(mesh, spec, secondary, interface);
   return {};
 }
 
@@ -270,7 +283,7 @@ void finishMortar(const Mesh& mesh, const ContactSurroundings& around, MortarDra
   requireFacing(draft, interface);
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(draft.secondary, draft.primary, interface.unpairedNodes));
-  notePenetration(mesh, draft.secondary, interface);
+  finishGaps(mesh, *draft.spec, draft.secondary, interface);
 }
 
 }  // namespace

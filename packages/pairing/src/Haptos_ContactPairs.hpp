@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "Haptos_ContactChoices.hpp"
 #include "Haptos_ContactPair.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Mesh.hpp"
@@ -41,6 +42,9 @@ struct ContactSpec {
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
   MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
+  std::function<double(std::int64_t)> gapAt;  ///< by mesh node, in place of that of the geometry; or none
+  InitialPenetration initialPenetration = InitialPenetration::Resolve;
+  PrimarySmoothing smoothing = PrimarySmoothing::None;  ///< of gaps of mortar
 
   /// Axes at a mesh node with the normal n.
   LocalFrame frameAt(std::int64_t node, const std::array<double, 3>& normal) const {

@@ -53,16 +53,6 @@ std::vector<std::vector<std::int64_t>> collectFaces(const Mesh& mesh, const std:
   return faces;
 }
 
-// Linear facets of a face, by the places of its nodes.
-std::vector<std::array<int, 4>> facetsOfShape(int numNodes) {
-  switch (numNodes) {
-    case 6: return {{0, 3, 5, -1}, {3, 1, 4, -1}, {5, 4, 2, -1}, {3, 4, 5, -1}};
-    case 8: return {{0, 4, 7, -1}, {4, 1, 5, -1}, {5, 2, 6, -1}, {7, 6, 3, -1}, {4, 5, 6, 7}};
-    case 9: return {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
-    default: return {{0, 1, 2, numNodes == 4 ? 3 : -1}};
-  }
-}
-
 // Nodes ascend, so that they are found by bisection and two surfaces are compared in one pass.
 void setTopology(const Mesh& mesh, const std::vector<std::vector<std::int64_t>>& faces,
                  ContactSurface& surface) {
@@ -229,6 +219,15 @@ void setTurns(ContactSurface& surface) {
 }
 
 }  // namespace
+
+std::vector<std::array<int, 4>> facetsOfShape(int numNodes) {
+  switch (numNodes) {
+    case 6: return {{0, 3, 5, -1}, {3, 1, 4, -1}, {5, 4, 2, -1}, {3, 4, 5, -1}};
+    case 8: return {{0, 4, 7, -1}, {4, 1, 5, -1}, {5, 2, 6, -1}, {7, 6, 3, -1}, {4, 5, 6, 7}};
+    case 9: return {{0, 4, 8, 7}, {4, 1, 5, 8}, {8, 5, 2, 6}, {7, 8, 6, 3}};
+    default: return {{0, 1, 2, numNodes == 4 ? 3 : -1}};
+  }
+}
 
 // Faces, then what their nodes have of them: normals weighted by angles, which do not depend on how a face is cut, areas, sizes.
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {

@@ -46,5 +46,7 @@ struct ContactSurface {
 ///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 
+/// \brief Linear facets of a face of so many nodes, by the places of its nodes; -1 last: triangle.
+std::vector<std::array<int, 4>> facetsOfShape(int numNodes);
 
 }  // namespace Haptos

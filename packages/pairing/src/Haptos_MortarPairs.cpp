@@ -6,7 +6,7 @@
 #include <optional>
 #include <sstream>
 
-#include "Haptos_FacetTree.hpp"
+#include "Haptos_PointwiseGap.hpp"
 #include "Haptos_ProjectedFace.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -15,42 +15,6 @@ namespace {
 
 constexpr double kAlongAxis = 1e-6;   // one minus the component of a direction that is an axis
 constexpr double kFarthestMove = 0.25;  // of the element size: elements stay regular
-
-// From a node along its normal to the nearest face of the primary surface, either way.
-class PointwiseGap {
- public:
-  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary)
-      : s_(secondary), p_(primary), tree_(primary), known_(secondary.numNodes()) {}
-
-  std::optional<double> at(int node) {
-    auto& gap = known_[std::size_t(node)];
-    if (!gap) gap = measure(node);
-    return *gap;
-  }
-
- private:
-  std::optional<double> measure(int node) {
-    const auto i = std::size_t(node);
-    const ProjectionPlane plane(s_.coordinates[i], s_.normals[i]);
-    tree_.facetsNearLine(plane.origin, plane.normal, found_);
-    std::optional<double> nearest;
-    for (const int facet : found_) {
-      if (Vec3::dot(plane.normal, p_.facetNormals[std::size_t(facet)]) >= opposing) continue;
-      const ProjectedFace face(p_, p_.faceOfFacet[std::size_t(facet)], plane);
-      const auto point = face.pointAt({0, 0});
-      if (!point || distanceOutside(face.face.size, *point) > besideFace) continue;
-      const auto x = face.sum(faceValues(face.face.size, *point).N);
-      const double gap = Vec3::dot(Vec3::subtract(x, plane.origin), plane.normal);
-      if (!nearest || std::abs(gap) < std::abs(*nearest)) nearest = gap;
-    }
-    return nearest;
-  }
-
-  const ContactSurface &s_, &p_;
-  FacetTree tree_;
-  std::vector<int> found_;
-  std::vector<std::optional<std::optional<double>>> known_;  // [secondary nodes]
-};
 
 // Rows of a pair, T1, T2 or by global axes, along which nodes of both sides are held, as at planes of symmetry.
 std::array<char, 3> heldRows(const ContactSurroundings& around, const ContactPair& pair, bool isTied) {
@@ -146,12 +110,16 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
   const ContactSurface& s = draft.secondary;
   const auto multipliers = chooseMultipliers(s, draft.overlap, draft.bars, draft.spec->multiplierSpace == MultiplierSpace::Linear);
   const auto rows = dualMortarRows(s, draft.primary, draft.overlap, multipliers);
-  PointwiseGap gaps(s, draft.primary);
+  PointwiseGap gaps(s, draft.primary, draft.spec->smoothing, interface);
+  const auto& given = draft.spec->gapAt;
+  const bool isOfFacets = !given && draft.spec->smoothing == PrimarySmoothing::None;
+  const auto gapAt = [&](int node) { return given ? std::optional(given(s.nodes[std::size_t(node)])) : gaps.at(node); };
   for (const MortarRow& row : rows) {
     const auto i = std::size_t(row.node);
-    const auto pointwise = row.isShared ? std::nullopt : gapOfRow(row, [&](int node) { return gaps.at(node); });
+    const auto pointwise = row.isShared && isOfFacets ? std::nullopt : gapOfRow(row, gapAt);
     ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(draft.primary, row.primary),
                      draft.spec->frameAt(s.nodes[i], s.normals[i]), 0.0, row.w};
+    pair.size = s.sizes[i];
     pair.gap = pointwise.value_or(Vec3::dot(row.gap, pair.frame.normal));
     if (!around.isPrescribed.empty()) pair.isPinned = heldRows(around, pair, draft.spec->tied);
     interface.pairs.push_back(std::move(pair));

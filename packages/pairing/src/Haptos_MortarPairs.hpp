@@ -36,8 +36,8 @@ std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool li
 
 /// \brief Adds pairs, notes and moves of nodes to the interface.
 ///
-/// The gap is that of the row's nodes along their normals (`gapOfRow`); the mean of the row where it stands for neighbours too, or where
-/// the normal meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
+/// The gap is that of the row's nodes along their normals (`gapOfRow`); the mean of the row where it stands for neighbours too
+/// and facets are not smoothed, or where the normal meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
 /// are to be moved onto the primary surface, so that turning both bodies together costs no stress; not by more than a quarter of
 /// the element size, which is noted.
 void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface);

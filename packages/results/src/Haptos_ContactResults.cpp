@@ -17,6 +17,7 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   result.pair = pair;
   result.secondaryNode = geometry.secondaryNode;
   result.area = geometry.area;
+  result.size = geometry.size;
   result.axis = geometry.frame.t1;
   result.normal = geometry.frame.normal;
   result.secondary = geometry.secondary;
@@ -96,6 +97,20 @@ void setSlip(const NodalGather& gather, const std::vector<double>& displacement,
     const double opening = Vec3::dot(jump, pair.normal);
     for (int d = 0; d < 3; ++d) pair.slip[d] = jump[d] - opening * pair.normal[d];
   }
+}
+
+std::vector<LargeSliding> findLargeSliding(const std::vector<PairResult>& pairs, std::size_t numInterfaces) {
+  constexpr double kPartOfElement = 0.5;
+  std::vector<LargeSliding> result(numInterfaces);
+  for (const PairResult& pair : pairs) {
+    const double length = Vec3::norm(pair.slip);
+    if (pair.primary.empty() || pair.status == ContactStatus::Open || !(pair.size > 0 && length > kPartOfElement * pair.size)) continue;
+    LargeSliding& sliding = result[std::size_t(pair.interface)];
+    ++sliding.pairs;
+    if (length > sliding.farthest) sliding.node = pair.secondaryNode;
+    sliding.farthest = std::max(sliding.farthest, length);
+  }
+  return result;
 }
 
 // s = B u - c, so that -s_N = d - n [u] is what is left of the gap.

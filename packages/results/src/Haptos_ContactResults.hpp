@@ -20,6 +20,7 @@ struct PairState {
   std::array<double, 3> tangentialForce;  ///< its tangential part
   double normalForce;          ///< lambda_N >= 0
   double area;                 ///< tributary area
+  double size;                 ///< of the elements, see ContactPair
   double pressure;             ///< lambda_N / area
   double gap;                  ///< d - N u: the opening that is left
   std::array<double, 3> slip;  ///< tangential part of u_secondary - u_primary
@@ -52,6 +53,14 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
 /// \param displacement [3 x nodes of this rank's range], mean of the copies
 /// \param pairs on any rank.  Collective.
 void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs);
+
+/// \brief Closed pairs of one interface that slide by more than half of their element, where rows no longer belong to what lies opposite.
+struct LargeSliding {
+  long pairs = 0;
+  double farthest = 0;
+  std::int64_t node = -1;  ///< of the farthest
+};
+std::vector<LargeSliding> findLargeSliding(const std::vector<PairResult>& pairs, std::size_t numInterfaces);  ///< a rigid plane is flat: none there
 
 /// \brief Sums over one interface.
 struct InterfaceResult {

@@ -78,9 +78,14 @@ Json contactBlock(const RunReport& report) {
   Json block = Json::object();
   for (std::size_t i = 0; i < report.interfaces.size(); ++i) {
     const InterfaceResult& r = report.interfaces[i];
-    block[report.interfaceNames[i]] = {{"normal_force", r.normalForce}, {"tangential_force", r.tangentialForce},
+    Json& entry = block[report.interfaceNames[i]];
+    entry = {{"normal_force", r.normalForce}, {"tangential_force", r.tangentialForce},
                                        {"stick", r.stick}, {"slip", r.slip}, {"open", r.open},
                                        {"max_pressure", r.maxPressure}};
+    if (i >= report.overlaps.size()) continue;
+    const InitialOverlap& overlap = report.overlaps[i];
+    entry["initial_penetration"] = {{"depth", overlap.depth}};
+    if (overlap.depth > 0) entry["initial_penetration"].update({{"node", overlap.nodeNumber}, {"place", overlap.place}});
   }
   return block;
 }

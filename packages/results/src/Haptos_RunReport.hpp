@@ -84,6 +84,7 @@ struct RunReport {
   double tolerance = 0;
   std::vector<std::string> interfaceNames;
   std::vector<InterfaceResult> interfaces;
+  std::vector<InitialOverlap> overlaps;  ///< [interfaces]
   PhaseTimes times;
   MemoryReport memory;
   Machine machine;

@@ -59,6 +59,8 @@ ContactSpec contactSpec(const ContactOptions& options) {
   spec.discretization = options.discretization;
   spec.sides = options.sides;
   spec.multiplierSpace = options.multiplierSpace;
+  spec.initialPenetration = options.initialPenetration;
+  spec.smoothing = options.smoothing;
   spec.tied = !options.friction.law;
   spec.isFrictionless = options.friction.law == FrictionLaw::Frictionless;
   spec.principalDirection = options.friction.principalDirection;
@@ -230,14 +232,15 @@ void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& i
     long tiedPairs;
     bool isMortar;
     std::array<double, 2> coefficients;  // largest, of pairs that have their own
+    InitialOverlap overlap;
     std::vector<std::string> notes, remarks;
 
-    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, coefficients, notes, remarks); }  // see ByteWriter
+    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, coefficients, overlap, notes, remarks); }  // see ByteWriter
   };
   std::vector<Told> mine;
   for (const auto& interface : interfaces)
     mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, largestCoefficients(interface),
-                    interface.notes, interface.remarks});
+                    interface.overlap, interface.notes, interface.remarks});
   std::size_t k = 0;
   for (const Told& told : gatheredOnAll(comm, mine)) {
     FrictionSpec& friction = data.friction[k++];
@@ -248,6 +251,7 @@ void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& i
     data.unpairedNodes += told.unpairedNodes;
     data.tiedPairs += told.tiedPairs;
     data.isMortar.push_back(told.isMortar);
+    data.overlaps.push_back(told.overlap);
     data.notes.insert(data.notes.end(), told.notes.begin(), told.notes.end());
     data.remarks.insert(data.remarks.end(), told.remarks.begin(), told.remarks.end());
   }
@@ -269,6 +273,15 @@ ContactSurroundings surroundingsOf(const Communicator& comm, const OwnElements& 
     return components;
   });
   return around;
+}
+
+// Empty: that of the geometry.  A tie has none.
+std::function<double(std::int64_t)> gapFunction(const ContactOptions& contact, const Mesh& mesh) {
+  if (!contact.gap || !contact.friction.law) return nullptr;
+  return [gap = *contact.gap, &mesh](std::int64_t node) {
+    const auto& x = mesh.coordinates[std::size_t(node)];
+    return gap(x[0], x[1], x[2]);
+  };
 }
 
 // Tells all ranks where nodes are to be that rank 0 moves.  Collective.
@@ -342,7 +355,10 @@ std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshS
   std::vector<ContactInterface> interfaces;
   try {
     runOnRoot(comm, [&] {
-      for (std::size_t k = 0; k < draft.contacts.size(); ++k) draft.contacts[k].directionAt = fields.directionAt(draft.contactOptions[k]);
+      for (std::size_t k = 0; k < draft.contacts.size(); ++k) {
+        draft.contacts[k].directionAt = fields.directionAt(draft.contactOptions[k]);
+        draft.contacts[k].gapAt = gapFunction(draft.contactOptions[k], surfaces.mesh);
+      }
       interfaces = buildContact(surfaces.mesh, draft.contacts, around);
       for (std::size_t k = 0; k < interfaces.size(); ++k) fields.setCoefficients(draft.contactOptions[k], interfaces[k]);
     });
@@ -350,7 +366,10 @@ std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshS
     runOnAllRanks(comm, [&] { checkElements(own.part.mesh); });
     throw;
   }
-  for (auto& spec : draft.contacts) spec.directionAt = nullptr;  // refers to what ends here
+  for (auto& spec : draft.contacts) {  // they refer to what ends here
+    spec.directionAt = nullptr;
+    spec.gapAt = nullptr;
+  }
   for (auto& interface : interfaces) {
     for (auto& pair : interface.pairs) toWholeMesh(surfaces.nodes, pair);
     for (auto& move : interface.moves) move.node = surfaces.nodes[std::size_t(move.node)];

@@ -42,6 +42,7 @@ struct ModelData {
   std::size_t unpairedNodes = 0;
   long tiedPairs = 0;
   std::vector<char> isMortar;                ///< [interfaces]
+  std::vector<InitialOverlap> overlaps;      ///< [interfaces]
   bool metis = false;
   int mendedFragments = 0;
 };

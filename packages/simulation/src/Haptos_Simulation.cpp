@@ -15,6 +15,7 @@
 #include "Haptos_ModelSystem.hpp"
 #include "Haptos_ParameterValidation.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_RowGram.hpp"
 #include "Haptos_Subdomain.hpp"
 #include "Haptos_SurfaceOperators.hpp"
@@ -190,6 +191,7 @@ void Simulation::describeModel() {
   m.notes = model_->data.notes;
   m.notes.insert(m.notes.end(), model_->data.remarks.begin(), model_->data.remarks.end());
   report_.interfaceNames = model_->data.interfaceNames;
+  report_.overlaps = model_->data.overlaps;
 }
 
 // Known once the factors are made: which way every class took.
@@ -215,6 +217,18 @@ SimulationResult Simulation::solve() {
   report_.solver.status = step.solved ? "converged" : "not converged";
   report_.solver.reason = step.reason;
   return collect(step);
+}
+
+// Pairs are known on rank 0, what their nodes are called elsewhere.
+void Simulation::warnOfLargeSliding(const std::vector<PairResult>& pairs) {
+  const auto all = broadcasted(*comm_, findLargeSliding(pairs, report_.interfaceNames.size()));
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (all[k].pairs == 0) continue;
+    report_.model.notes.push_back("'" + report_.interfaceNames[k] + "': " + std::to_string(all[k].pairs) +
+                                  " closed pairs slide by more than half an element, by up to " + formatted("%g", all[k].farthest) + " at " +
+                                  describeNode(*comm_, model_->mesh, all[k].node) + "; what lies opposite is that of the start (small sliding)");
+    if (progress_) progress_->warn(report_.model.notes.back());
+  }
 }
 
 // From u and lambda back to nodes, pairs and elements: every quantity to the rank that will write it.
@@ -248,6 +262,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   const NodalGather& gather = *feti.model().gather;
   result.displacement = gather.copies(*step.u).mean;
   setSlip(gather, result.displacement, result.pairs);
+  warnOfLargeSliding(result.pairs);
   report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, feti.jump().primalOffsets(), *step.u,
                                          model_->mesh.elements);

@@ -62,6 +62,7 @@ class Simulation {
 
  private:
   void describeModel();
+  void warnOfLargeSliding(const std::vector<PairResult>& pairs);
   void describeLocalSystems();
   void tell(const std::string& text) const;
   void tell(const HistoryEntry& entry) const;
