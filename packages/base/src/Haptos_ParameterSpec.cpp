@@ -18,6 +18,7 @@ using Teuchos::ParameterList;
   throw InputError(path + ": " + what);
 }
 
+// Not finite before out of range, as no range says so; the absolute limit last, since it speaks of units.
 void checkNumber(const ParameterSpec& spec, const std::string& path, double value) {
   if (!std::isfinite(value))
     refuse(path, numberText(value) + " is not a finite number; valid: " + spec.range.text());
@@ -28,6 +29,7 @@ void checkNumber(const ParameterSpec& spec, const std::string& path, double valu
 }
 
 void checkWord(const ParameterSpec& spec, const std::string& path, const std::string& value) {
+  // An empty word mostly is a forgotten one: the meaning says what should stand there.
   if (!spec.mayBeEmpty && trimmed(value).empty()) refuse(path, "must not be empty: " + spec.meaning);
   if (spec.choices.empty()) return;
   if (std::find(spec.choices.begin(), spec.choices.end(), value) != spec.choices.end()) return;
@@ -111,6 +113,7 @@ std::string ParameterSpec::defaultText() const {
     text = valueText(*defaultValue);
     if (text.empty()) text = "\"\"";
   }
+  // Both may be true: a default that holds unless another parameter asks for a value.
   if (requiredWhen && !required) {
     const std::string needed = "required where " + requiredWhen->text();
     text = defaultValue ? text + "; " + needed : needed;
@@ -133,6 +136,7 @@ std::string ParameterSpec::rangeText() const {
   return joinNames(parts);
 }
 
+// Empty where any number of entries is good.
 std::string ParameterSpec::countText() const {
   if (!std::any_of(types.begin(), types.end(), isArray)) return "";
   if (minEntries == maxEntries) return std::to_string(minEntries) + " entries";

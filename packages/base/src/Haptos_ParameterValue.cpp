@@ -41,12 +41,14 @@ std::optional<ParameterValue> parseArray(const std::string& text, Parse&& parse)
   return values;
 }
 
+// Quotes are allowed around entries of arrays, as Teuchos writes them; one quote alone is part of the text.
 std::string unquoted(const std::string& text) {
   const std::string t = trimmed(text);
   const bool quoted = t.size() >= 2 && t.front() == t.back() && (t.front() == '"' || t.front() == '\'');
   return quoted ? t.substr(1, t.size() - 2) : t;
 }
 
+// No conversion by the entry itself: Teuchos' own throws where the type differs, and what was given should be told.
 template <class T>
 std::optional<ParameterValue> scalarOf(const Teuchos::ParameterEntry& entry) {
   if (!entry.isType<T>()) return std::nullopt;
@@ -61,6 +63,7 @@ std::optional<ParameterValue> arrayOf(const Teuchos::ParameterEntry& entry) {
 
 }  // namespace
 
+// In the order of ParameterType and of the alternatives of ParameterValue.
 const std::vector<std::string>& typeNames() {
   static const std::vector<std::string> names = {"int",        "double",        "bool",         "string",
                                                  "Array(int)", "Array(double)", "Array(string)"};
@@ -160,6 +163,7 @@ std::optional<ParameterValue> parseValue(const std::string& text, ParameterType 
       if (const auto value = parseDouble(text)) return *value;
       return std::nullopt;
     case ParameterType::Bool:
+      // What Teuchos reads as bool; "yes" and "on" are refused with the type's name.
       if (trimmed(text) == "true" || trimmed(text) == "1") return true;
       if (trimmed(text) == "false" || trimmed(text) == "0") return false;
       return std::nullopt;

@@ -20,6 +20,7 @@ namespace {
 
 using namespace Haptos;
 
+// Where there is no handle yet; of every thread, as two may create systems at a time.
 thread_local std::string messageOfCreation;
 
 }  // namespace
@@ -39,6 +40,7 @@ struct haptos_system {
 
 namespace {
 
+// The kinds of the driver's exit statuses, so that C callers and shell scripts read the same numbers.
 int statusOf(const CaughtError& error) {
   switch (error.kind) {
     case 0: return HAPTOS_OK;
@@ -102,6 +104,7 @@ FrictionSpec frictionOf(const haptos_friction* given) {
   return friction;
 }
 
+// The numbers in haptos.h are part of the interface, those of the enum are not: they must not part unseen.
 static_assert(int(FrictionLaw::Frictionless) == HAPTOS_FRICTIONLESS && int(FrictionLaw::Tresca) == HAPTOS_TRESCA &&
               int(FrictionLaw::Coulomb) == HAPTOS_COULOMB);
 
@@ -111,6 +114,7 @@ PairInput pairOf(const haptos_pairs& given, int i) {
   pair.secondary = given.secondary[i];
   const std::int64_t first = given.primary_starts ? given.primary_starts[i] : i, last = given.primary_starts ? given.primary_starts[i + 1] : i + 1;
   for (std::int64_t k = first; given.primary != nullptr && k < last; ++k)
+    // Weights may be left out: then all nodes of the primary count alike, and one node alone has weight 1.
     pair.primary.emplace_back(given.primary[k], given.weights ? given.weights[k] : 1.0 / double(last - first));
   for (std::size_t d = 0; d < 3; ++d) {
     pair.normal[d] = given.normals[3 * i + int(d)];
@@ -130,6 +134,7 @@ void startKokkos() {
   });
 }
 
+// For callers without MPI: what was started here ends with the process, what the caller started is the caller's to end.
 void startMpi() {
   int flag = 0;
   MPI_Initialized(&flag);
@@ -143,6 +148,7 @@ void startMpi() {
   });
 }
 
+// Rank 0's text counts: what ranks were given must not differ, and a caller need not have read the file on all.
 RCP<Teuchos::ParameterList> parametersOf(const Communicator& comm, const char* text) {
   int length = text == nullptr ? 0 : int(std::strlen(text));
   Teuchos::broadcast(comm, 0, Teuchos::outArg(length));
@@ -152,6 +158,7 @@ RCP<Teuchos::ParameterList> parametersOf(const Communicator& comm, const char* t
   return Teuchos::parameterList(length > 0 ? parameterListFromXml(xml, "parameters") : Teuchos::ParameterList());
 }
 
+// Fields of a C struct have fixed lengths; what does not fit is cut, and the whole text is told by haptos_message.
 void copyText(const std::string& text, char* to, std::size_t size) {
   const std::size_t length = std::min(text.size(), size - 1);
   std::memcpy(to, text.data(), length);
@@ -159,6 +166,7 @@ void copyText(const std::string& text, char* to, std::size_t size) {
 }
 
 haptos_outcome solve(haptos_system& own, ContactSystem& system) {
+  // The map exists from here on, and with it the place of every load.
   system.setUp();
   Vector f(system.map());
   NodeValues(system.map(), own.loaded).sumInto(f, own.loads);
@@ -187,6 +195,7 @@ int haptos_create(MPI_Comm comm, const char* parameters, haptos_system** system)
     require(flag && comm != MPI_COMM_NULL, "MPI is not initialised, or the communicator is MPI_COMM_NULL.");
     startKokkos();
     auto fresh = std::make_unique<haptos_system>();
+    // A communicator of its own: messages of two systems, or of the caller, never meet.
     fresh->comm = Teuchos::MpiComm<int>(comm).duplicate();
     fresh->system = std::make_unique<ContactSystem>(fresh->comm, parametersOf(*fresh->comm, parameters));
     *system = fresh.release();
@@ -196,6 +205,7 @@ int haptos_create(MPI_Comm comm, const char* parameters, haptos_system** system)
 int haptos_create_fortran(MPI_Fint comm, const char* parameters, haptos_system** system) {
   int flag = 0;
   MPI_Initialized(&flag);
+  // A Fortran handle may be read only between MPI_Init and MPI_Finalize.
   return haptos_create(flag ? MPI_Comm_f2c(comm) : MPI_COMM_NULL, parameters, system);
 }
 
@@ -246,6 +256,7 @@ int haptos_add_elements(haptos_system* system, int body, int64_t count, int node
     for (std::int64_t e = 0; e < count; ++e, nodes += nodesPerElement, Ke += 9 * nodesPerElement * nodesPerElement) {
       const auto ids = idsOf(nodes, nodesPerElement);
       const int number = s.addElement(body, Teuchos::arrayViewFromVector(ids), view(Ke, 9 * nodesPerElement * nodesPerElement));
+      // One that was refused has no number, and later ones close the gap.
       if (number >= 0) system->nodesOfElement.push_back(nodesPerElement);
     }
   });
@@ -324,6 +335,7 @@ int haptos_solve(haptos_system* system, haptos_outcome* outcome) {
   std::string reason;
   const int status = collective(system, [&](ContactSystem& s) {
     found = solve(*system, s);
+    // `guarded` clears the message of what went well; why a solve did not converge is kept across it.
     reason = system->message;
   });
   if (outcome != nullptr) *outcome = found;
@@ -342,6 +354,7 @@ int haptos_displacements(haptos_system* system, int64_t count, const int64_t* no
 int haptos_contact_forces(haptos_system* system, double* forces) {
   return collective(system, [&](ContactSystem& s) {
     requireSolved(*system);
+    // In the order in which this rank added its pairs, whoever holds their rows.
     for (const auto& force : s.contactForces()) forces = std::copy(force.begin(), force.end(), forces);
   });
 }

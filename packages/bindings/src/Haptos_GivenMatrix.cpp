@@ -16,6 +16,7 @@ void require(bool holds, const std::string& otherwise) {
 
 void GivenMatrix::take(const double* values) {
   K->resumeFill();
+  // Columns are added by sums: an entry that the caller lists twice counts twice, as in the matrix itself.
   K->setAllToScalar(0.0);
   for (std::size_t row = 0; row + 1 < starts.size(); ++row)
     K->sumIntoLocalValues(LocalOrdinal(row), LocalOrdinal(starts[row + 1] - starts[row]), values + starts[row], columns.data() + starts[row]);
@@ -32,6 +33,7 @@ GivenMatrix givenMatrix(const haptos_subdomain& given) {
   for (auto column : matrix.columns)
     require(column >= 0 && column < rows, "A subdomain's matrix has column " + std::to_string(column) + "; it has " + std::to_string(rows) +
                                               ", numbered from 0.");
+  // Of this rank alone, whatever the system's communicator: a subdomain is never shared.
   const auto map = Teuchos::rcp(new Map(Tpetra::global_size_t(rows), 0, Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF))));
   std::vector<std::size_t> lengths;
   for (std::int64_t row = 0; row < rows; ++row) lengths.push_back(std::size_t(matrix.starts[row + 1] - matrix.starts[row]));

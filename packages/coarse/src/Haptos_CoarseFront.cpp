@@ -17,6 +17,7 @@ namespace {
 constexpr int kModes = CoarseBlocks::kModes;
 using BlockView = Eigen::Map<const Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>>;
 
+// On one rank without MPI: many groups at the bottom of the tree are single ranks.
 Eigen::MatrixXd sumOver(const Communicator& comm, const Eigen::MatrixXd& mine) {
   return comm.getSize() == 1 ? mine : sumOfAll(comm, mine);
 }
@@ -83,6 +84,7 @@ bool CoarseFront::eliminate() {
   for (std::size_t k = 0; k + 1 < starts_.size() && starts_[k] < int(pivots_.size()); ++k) {
     const int first = starts_[k], end = starts_[k + 1], owner = ownerOf(first);
     Eigen::MatrixXd message(kModes * size(), kModes * (end - first));
+    // A failed factor is told by the message that all ranks wait for anyway.
     if (owner == group_->getRank() && !factorPanel(panels_[next++], message)) message(0, 0) = std::numeric_limits<double>::quiet_NaN();
     if (group_->getSize() > 1) Teuchos::broadcast(*group_, owner, int(message.size()), message.data());
     if (std::isnan(message(0, 0))) return false;
@@ -174,6 +176,7 @@ void CoarseFront::backward(const Eigen::MatrixXd& y, Eigen::MatrixXd& x) const {
   for (std::size_t i = 0; i < pivots_.size(); ++i) x.middleRows<kModes>(kModes * pivots_[i]) = xp.middleRows<kModes>(kModes * Eigen::Index(i));
 }
 
+// Of W and L_rp: what a solve reads.
 std::size_t CoarseFront::entries() const {
   Eigen::Index count = 0;
   for (const Panel& panel : panels_)

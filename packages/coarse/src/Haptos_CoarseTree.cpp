@@ -60,6 +60,7 @@ std::vector<CoarseItem> takeSchur(CoarseSchur& own, const std::vector<int>& subd
 
 EliminationOrder::EliminationOrder(const CoarsePlacement& placement, int subdomains, const CoarseSchur::Parts& couplings, const std::vector<int>& last)
     : ranks_(placement.comm().getSize()), depth_(std::size_t(subdomains), kHome) {
+  // Everything is eliminated at home but where a block couples subdomains of two ranks: those of one side must wait.
   for (int s : last) depth_[std::size_t(s)] = kLast;
   std::vector<std::vector<Pair>> byDepth;
   for (const Pair& pair : crossing(placement.comm(), couplings)) {
@@ -100,6 +101,8 @@ void EliminationOrder::cover(std::vector<Pair> pairs, int depth) {
     others[s].push_back(t);
     others[t].push_back(s);
   }
+  // A small cover of the pairs by greed: who has most of them waits, until none is left.
+  // What waits is eliminated by the group as a dense front.
   std::set<Pair> open;  // (- pairs left, subdomain)
   std::unordered_map<int, int> left;
   for (const auto& [s, list] : others) {
@@ -124,6 +127,7 @@ CoarseTree::CoarseTree(const CoarsePlacement& placement, Eigen::Index unknowns, 
 
 // Inner subdomains come first, then the outer ones: all others in the blocks that are sent here.
 std::vector<CoarseItem> CoarseTree::eliminateOwn(const Communicator& comm, const EliminationOrder& order, const CoarseSchur::Parts& A) {
+  // A_ii, A_io and A_oo of the rank that eliminates i; blocks between outer subdomains go to one of their homes.
   const auto blocks = sendItems(comm, itemsOf(A), [&](const CoarseItem& item) { return order.rankOfBlock(item.s, item.t); });
   for (int s = 0; s < int(size_) / kModes; ++s) {
     if (order.homeOf(s) != comm.getRank()) continue;
@@ -163,6 +167,7 @@ void CoarseTree::eliminateShared(const CoarsePlacement& placement, const Elimina
     CoarseFront front(group, pivots, rest);
     front.add(left);
     isDefinite = front.eliminate() && isDefinite;
+    // S = A_rr - L_rp L_rp^T, in blocks on the ranks of the group, is what the next larger group adds up.
     left = front.schur();
     fronts_.push_back(std::move(front));
   }
@@ -178,6 +183,7 @@ CoarseTree::Eliminated CoarseTree::eliminate(const Eigen::MatrixXd& b) const {
   for (int s : home_) mine.middleRows<kModes>(kModes * s) = b.middleRows<kModes>(kModes * s);
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(Eigen::Index(own_->order().size()), b.cols());
   for (std::size_t i = 0; i < inner_.size(); ++i) own.middleRows<kModes>(kModes * Eigen::Index(i)) = b.middleRows<kModes>(kModes * inner_[i]);
+  // y_i = L_ii^-1 b_i, and b_o - L_oi y_i is what this rank says of outer unknowns.
   result.own = own_->eliminate(own);
   for (Eigen::Index i = own.rows() - own_->numLast(); i < own.rows(); ++i) {
     const int unknown = own_->order()[std::size_t(i)], place = unknown / kModes - int(inner_.size());
@@ -195,6 +201,7 @@ Eigen::MatrixXd CoarseTree::substituteBack(const Eliminated& b, const Eigen::Mat
     for (std::size_t i = 0; i < subdomains.size(); ++i) to.middleRows<kModes>(kModes * subdomains[i]) = from.middleRows<kModes>(kModes * Eigen::Index(i));
   };
   put(last_.pivots(), last, x);
+  // x_p = L_pp^-T (y_p - L_rp^T x_r), largest group first, as its unknowns are in the r of all smaller ones.
   for (std::size_t d = 0; d < fronts_.size(); ++d) fronts_[d].backward(b.fronts[d], x);
   Eigen::MatrixXd own = b.own;
   for (Eigen::Index i = own.rows() - own_->numLast(); i < own.rows(); ++i) {
@@ -228,6 +235,7 @@ double CoarseTree::flops() const {
 
 void CoarseTreeFactor::renew(const CoarseBlocks& E) {
   last_ = tree_->last();
+  // Only the last front changes: whatever is eliminated before it stays from renewal to renewal.
   last_.add(itemsOf({&E}));
   const bool isDefinite = last_.eliminate();  // the same on all ranks
   TEUCHOS_TEST_FOR_EXCEPTION(!isDefinite, std::runtime_error,

@@ -34,6 +34,7 @@ Shared lostFragments(const Fragments& f, DisjointSets& sets, int& unused) {
       if (f.part[a] == f.part[b]) sets.join(a, b);
   std::vector<Index> sizes(f.part.size(), 0);
   for (int a = 0; a < int(sizes.size()); ++a) sizes[sets.lowest(a)] += f.sizes[a];
+  // A part keeps its largest fragment, the others are lost.
   const auto mainOf = largestOf(f.part, sizes, [&](int a) { return sets.lowest(a) == a; });
   unused = mainOf.rbegin()->first + 1;
   Shared shared;
@@ -105,7 +106,9 @@ int mendFragments(Fragments& f) {
     std::map<int, int> target;
     for (const auto& [fragment, parts] : shared)
       if (!parts.empty())
+        // To the neighbour with most common sides, the lowest part where two have as many.
         target[fragment] = std::max_element(parts.begin(), parts.end(), [](auto& a, auto& b) { return a.second < b.second; })->first;
+    // No lost fragment touches a main one: the first of them becomes a part of its own, and the next round has one more to touch.
     if (target.empty()) target[shared.begin()->first] = unused;
     for (int a = 0; a < int(f.part.size()); ++a)
       if (const auto it = target.find(sets.lowest(a)); it != target.end()) f.part[a] = it->second;
@@ -146,6 +149,7 @@ MendedParts mendParts(const Communicator& comm, const OwnElements& own, const Du
     fragments.part[std::size_t(origin.fragment)] = origin.part;
     pieceOf[std::size_t(origin.fragment)] = origin.piece;
   }
+  // Neighbours of this rank's elements on other ranks, and which fragments they are in.
   const Halo halo(comm, own, graph);
   const auto outside = halo.fetch([&](Index e) { return found.ofElement[std::size_t(e)]; });
   const auto fragmentAt = [&](Index neighbour) {

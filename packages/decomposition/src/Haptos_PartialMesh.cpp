@@ -25,6 +25,7 @@ std::vector<Index> eachOnce(std::vector<Index> values) {
   if (values.empty()) return values;
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   const Index first = *low, spread = *high - first + 1;
+  // Marks take a byte for each number between the lowest and the highest, less than the list itself.
   if (spread > Index(values.size())) {
     std::sort(values.begin(), values.end());
     values.erase(std::unique(values.begin(), values.end()), values.end());
@@ -42,6 +43,7 @@ std::vector<Index> eachOnce(std::vector<Index> values) {
 
 // Position of a value that is there.
 Index positionOf(const std::vector<Index>& ascending, Index value) {
+  // Without holes the place is a difference; the search is for shares with holes.
   if (ascending.back() - ascending.front() + 1 == Index(ascending.size())) return value - ascending.front();
   return std::lower_bound(ascending.begin(), ascending.end(), value) - ascending.begin();
 }
@@ -139,6 +141,7 @@ SentElements joinParcels(const Mesh& names, std::vector<Parcel>& parcels) {
   part.mesh = emptyLike(names);
   for (std::size_t b = 0; b < names.blocks.size(); ++b)
     for (auto& parcel : parcels) {
+      // Let go once it is copied: parcels and mesh never stand side by side as wholes.
       const auto block = std::exchange(parcel.blocks[b], {});
       append(part.elements, block.elements);
       append(part.mesh.elementNumbers, block.numbers);
@@ -178,6 +181,7 @@ OwnElements completeElements(const Communicator& comm, const MeshShare& share) {
       part.mesh.sideSets[set].sides.push_back({side.element - share.firstElement(), side.side});
 
   const RemoteValues remote(comm, share.nodes, part.nodes);
+  // A rank asks for a node once, however many of its elements have it.
   std::vector<int> askers(share.part.coordinates.size(), 0);
   for (const auto& places : remote.asked())
     for (Index place : places) ++askers[std::size_t(place)];

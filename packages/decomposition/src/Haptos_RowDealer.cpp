@@ -62,9 +62,11 @@ class RowDealer {
   int rankOfSubdomain(int subdomain) const {
     return (std::upper_bound(firstOfRank_.begin(), firstOfRank_.end(), std::make_pair(subdomain, kNone)) - 1)->second;
   }
+  // Every other lowest subdomain, by its parity, lets its highest partner own the rows.
   bool isHighest(std::size_t record) const { return groups_[record][0] % 2 == 1; }
   int ownerOf(std::size_t record) const {
     const Labels& group = groups_[record];
+    // A node without copies has no rows; any rank will do.
     return group[0] == kNone ? comm_.getRank() : rankOfSubdomain(isHighest(record) ? -group[1] : group[0]);
   }
 
@@ -84,6 +86,7 @@ class RowDealer {
 void RowDealer::learnRanks(const RowSources& sources) {
   const std::vector<int> mine{sources.subdomains.empty() ? -1 : sources.subdomains.front().id};
   for (int first : gatheredOnAll(comm_, mine)) firstOfRank_.emplace_back(first, int(firstOfRank_.size()));
+  // Ranks without subdomains own no rows.
   firstOfRank_.erase(std::remove_if(firstOfRank_.begin(), firstOfRank_.end(), [](const auto& f) { return f.first < 0; }), firstOfRank_.end());
   std::sort(firstOfRank_.begin(), firstOfRank_.end());
 }
@@ -102,6 +105,7 @@ void RowDealer::takePairs(const RowSources& sources) {
     drafts_.back().placed = std::move(placed);
   }
   directory_.fetch(nodes);
+  // Rows of a rank follow the order of interfaces and pairs, not that in which they came.
   std::sort(drafts_.begin(), drafts_.end(), [](const Draft& a, const Draft& b) {
     return std::make_pair(a.placed.interface, a.placed.position) < std::make_pair(b.placed.interface, b.placed.position);
   });
@@ -135,6 +139,7 @@ void RowDealer::findOwners() {
   std::vector<std::vector<int>> joined;
   for (const Draft& draft : drafts_)
     if (draft.placed.pair.secondary.size() == 1 && draft.placed.pair.primary.size() == 1) joined.push_back(membersOf(draft));
+  // The minimum spreads along chains of pairs: where a node is in several, all of them have one owner.
   directory_.spreadMinimum(joined, groups_);
 }
 
@@ -160,6 +165,7 @@ void RowDealer::requireTiedValues() const {
                       formatted("%g", std::abs(draft.share.c[d])) + " along " + "xyz"[d] + "."};
     }
   const int first = leastOfAll(comm_, where.first), position = leastOfAll(comm_, where.first == first ? where.second : kNone);
+  // Only the rank that has the first one speaks.
   if (where != std::make_pair(first, position)) error = {};
   throwOnAllRanks(comm_, error);
 }
@@ -203,6 +209,7 @@ void RowDealer::dealNodes() {
   });
   const GlobalOrdinal numGluing = sumOfAll(comm_, gluing);
   numEquality_ = numGluing + sumOfAll(comm_, dirichlet);
+  // mu copies have mu - 1 differences in each component.
   gluing = sumOfLower(comm_, gluing);
   dirichlet = numGluing + sumOfLower(comm_, dirichlet);
   visit([&](std::size_t i, const NodeRecord& record) {
@@ -250,6 +257,7 @@ void RowDealer::numberPairs() {
   for (Draft& draft : drafts_) {
     RowShare::Pair& pair = draft.share;
     if (pair.isTied) continue;
+    // By place, as no contact row is left out: an empty one keeps its number, and its multiplier is pinned.
     pair.rows[0] = numEquality_ + contact[std::size_t(pair.interface)] + pair.position;
     for (int t = 0; t < 2 && interfaces_[std::size_t(pair.interface)].frictional; ++t)
       pair.rows[std::size_t(t) + 1] = numEquality_ + numContact_ + t * numFrictional + frictional[std::size_t(pair.interface)] + pair.position;
@@ -284,6 +292,7 @@ void RowDealer::dealPair(const Draft& draft) {
   Labels label{owner, -owner, share.isTied ? 0 : -1};
   for (const auto& [index, weight] : draft.nodes) {
     const NodeRecord& record = directory_.records()[std::size_t(index)];
+    // All free nodes of a pair have the same label, by `spreadMinimum`.
     if (!record.isHeld()) label = holders_[std::size_t(index)];
     PairNode node{record.node, weight, 0.0, record.numCopies, record.numCopies > 1 ? ownerOf(std::size_t(index)) : -1, record.isPrescribed};
     for (int i = 0; i < record.numCopies; ++i) {
@@ -293,6 +302,7 @@ void RowDealer::dealPair(const Draft& draft) {
       for (std::size_t a = 0; a < 3; ++a)
         for (int d = 0; d < 3 && share.rows[a] >= 0 && weight != 0; ++d) {
           const double value = weight * draft.axes[a][std::size_t(d)];
+          // Not along prescribed components: what they contribute is in c.
           if (draft.acts(a, std::size_t(d), record))
             entries.push_back({share.rows[a], copy.subdomain, 3 * copy.localNode + d, value / record.numCopies});
         }

@@ -46,6 +46,7 @@ IndexLists elementsOfNodes(int numNodes, const std::vector<ElementReference>& el
       ++lists.offsets[std::size_t(element.nodes[a]) + 1];
     }
   for (std::size_t i = 0; i < std::size_t(numNodes); ++i) lists.offsets[i + 1] += lists.offsets[i];
+  // The second pass fills what the first counted; `next` is where each list goes on.
   lists.items.resize(std::size_t(lists.offsets.back()));
   auto next = lists.offsets;
   for (std::size_t e = 0; e < elements.size(); ++e)
@@ -61,6 +62,7 @@ IndexLists nodeNeighbours(int numNodes, const std::vector<ElementGroup>& groups)
   IndexLists lists;
   lists.offsets.reserve(std::size_t(numNodes) + 1);
   lists.offsets.push_back(0);
+  // Who saw a node last tells whether it is in the list already: no set, no clearing.
   std::vector<int> seenBy(std::size_t(numNodes), -1);
   for (int node = 0; node < numNodes; ++node) {
     for (const int* e = elementsOf.begin(node); e != elementsOf.end(node); ++e) {

@@ -21,6 +21,7 @@ void forEachAbove(const Matrix& A, int k, Visit&& visit) {
 
 SparseLdl::SparseLdl(const Matrix& A) {
   TEUCHOS_ASSERT(A.rows() == A.cols());
+  // Few entries a row, some thousand rows: minimum degree, no supernodes.
   Eigen::AMDOrdering<int> ordering;
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> toOld;
   ordering(A, toOld);
@@ -73,6 +74,7 @@ void SparseLdl::factor(const Matrix& A) {
       }
       while (length > 0) pattern[std::size_t(--top)] = path[std::size_t(--length)];
     });
+    // What a row has before anything is taken off is the measure of what it depends on others by.
     const double diagonal = pivot;
     for (; top < n; ++top) {
       const std::size_t i = std::size_t(pattern[std::size_t(top)]);
@@ -84,12 +86,14 @@ void SparseLdl::factor(const Matrix& A) {
       values_[end[i]++] = l;
     }
     if (pivot > kDependent * diagonal) inversePivots_[std::size_t(k)] = 1 / pivot;
+    // Its inverse pivot stays 0: the row takes no part in solves, as if it were left out of A.
     else if (diagonal > 0) ++numDropped_;
   }
 }
 
 Eigen::VectorXd SparseLdl::solve(const Eigen::VectorXd& b) const {
   if (b.size() == 0) return b;
+  // P^T L^-T D^-1 L^-1 P b
   Eigen::VectorXd x = order_ * b;
   const std::size_t n = inversePivots_.size();
   for (std::size_t i = 0; i < n; ++i)

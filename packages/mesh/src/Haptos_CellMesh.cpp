@@ -35,6 +35,7 @@ Nodes sorted(Nodes nodes) {
 /// \brief Numbers for new nodes, each between some others, in the order of those.
 class NewNodes {
  public:
+  // Neighbours ask for the same node by the same corners, in whatever order they have them.
   void want(const Nodes& between) { numbers_[sorted(between)] = -1; }
   Index at(const Nodes& between) const { return numbers_.at(sorted(between)); }
   /// Each in the mean of the nodes around.
@@ -91,6 +92,7 @@ class CellSplitter {
     return {first, first + 8};
   }
 
+  // The triangles of wedges decide how quadrilaterals beside them are cut, so they are listed before anything else is made.
   void findWedgeSides(const Nodes& nodes, Index cell) {
     if (cells_[std::size_t(cell)] != Cell::Wedges) return;
     for (const auto& half : wedges)
@@ -114,6 +116,7 @@ class CellSplitter {
       case Cell::Tetrahedra: return add(kuhnTets);
       case Cell::Pyramids: break;
     }
+    // Six pyramids meet in a node of their own in the middle of the hexahedron.
     const Index centre = Index(mesh_.numNodes());
     NewNodes middle;
     middle.want(nodes);
@@ -143,6 +146,7 @@ class CellSplitter {
     Index highest = 0;
     for (const auto& block : source_.blocks) highest = std::max(highest, block.id);
     const auto kindOf = [&](const Piece& piece) { return std::pair{piece.block, -Index(piece.corners.size())}; };
+    // Larger numbers of corners first, so that what is left of the hexahedra keeps the name of the block.
     std::stable_sort(pieces_.begin(), pieces_.end(), [&](const Piece& a, const Piece& b) { return kindOf(a) < kindOf(b); });
     addMiddles();
     for (std::size_t i = 0; i < pieces_.size(); ++i) {
@@ -175,6 +179,7 @@ class CellSplitter {
     const auto corner = [&](int i) { return piece.corners[std::size_t(i)]; };
     for (int i = 0; i < shape.numEdges; ++i)
       visit(0, shape.numCorners + i, {corner(shape.edges[std::size_t(i)][0]), corner(shape.edges[std::size_t(i)][1])});
+    // Exodus numbers of HEX27: 20 in the middle of the element, those of its sides after it.
     if (shape.numNodes < 27) return;
     for (const SideNodes& side : shape.sides) visit(1, side[8], {corner(side[0]), corner(side[1]), corner(side[2]), corner(side[3])});
     visit(2, 20, piece.corners);

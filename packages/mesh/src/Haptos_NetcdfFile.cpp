@@ -84,6 +84,7 @@ class ClassicHeader {
   };
 
   double integer(int bytes) {
+    // Big-endian, whatever this machine is.
     std::array<char, 8> raw{};
     in_.read(raw.data(), bytes);
     std::uint64_t value = 0;
@@ -142,6 +143,7 @@ class ClassicHeader {
     const auto wanted = dimensionsOf(readName());
     Variable v{1.0, 0.0, false};
     const double rank = count();
+    // The library would write past the end of its own arrays, see decisions/028.
     if (!wanted.empty() && rank != double(wanted.size())) sane_ = false;
     for (double i = 0; i < rank && in_ && sane_; ++i) {
       const double id = count();
@@ -169,6 +171,7 @@ class ClassicHeader {
       if (!v.perRecord)
         least = std::max(least, v.begin + v.bytes);
       else if (numRecords_ > 0)
+        // Records of all variables lie interleaved: the last one begins numRecords - 1 of them further on.
         least = std::max(least, v.begin + (numRecords_ - 1) * record + v.bytes);
     }
     return least;
@@ -203,6 +206,7 @@ bool survivesInChild(const std::function<void()>& read, unsigned seconds) {
   const pid_t child = fork();
   if (child < 0) return true;  // no room for a copy: then without a trial
   if (child == 0) {
+    // MPI and Kokkos may have handlers that print, or wait for a debugger; a child dies in silence, and leaves no core.
     for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
     const rlimit none{0, 0};
     setrlimit(RLIMIT_CORE, &none);
@@ -213,6 +217,7 @@ bool survivesInChild(const std::function<void()>& read, unsigned seconds) {
       read();
     } catch (const std::exception&) {  // the run itself will say what is wrong
     }
+    // Not exit: handlers of MPI and of open files belong to the parent.
     _exit(0);
   }
   int status = 0;

@@ -68,6 +68,7 @@ class Joiner {
 
   /// Title, blocks and sets are those of the first part; the others must have the same blocks and sets.
   void agreeOnHeaders() {
+    // Rank 0 always has a file, ranks beyond the number of files have none.
     share_.part = broadcasted(comm_, comm_.getRank() == 0 ? headerOf(parts_.front().mesh) : Mesh{});
     runOnAllRanks(comm_, [&] {
       for (const auto& part : parts_) {
@@ -120,6 +121,7 @@ class Joiner {
     runOnAllRanks(comm_, [&] {
       for (const Key& key : keys) {
         if (key.number < 1) refuse("its files hold a " + what + " with the number " + std::to_string(key.number) + "; they go from 1.");
+        // Numbers need not be dense: maps of decomposed files may skip what was removed from the mesh.
         mine = std::max(mine, key.number);
       }
     });
@@ -155,6 +157,7 @@ class Joiner {
           refuse("element " + std::to_string(met[order[i]].number) + " is in two of its files.");
       }
     });
+    // Ranks hold ascending ranges of numbers, so a position is what lower ranks have, plus the place here.
     const auto [below, all] = std::pair(sumOfLower(comm_, counts), sumOfAll(comm_, counts));
     starts[0] = 0;
     std::partial_sum(all.begin(), all.end(), starts.begin() + 1);
@@ -198,6 +201,7 @@ class Joiner {
     for (auto& part : parts_) {
       const auto& numbers = part.originalNodes.empty() ? part.mesh.nodeNumbers : part.originalNodes;
       for (std::size_t i = 0; i < numbers.size(); ++i) sent.push_back({*index++, numbers[i], part.mesh.coordinates[i]});
+      // Let go as soon as it is sent: no rank holds its files twice.
       part.mesh.coordinates = {};
     }
     const auto nodes = sendItems(comm_, sent, [&](const SentNode& n) { return share_.nodes.owner(n.index); });
@@ -234,6 +238,7 @@ class Joiner {
       if (!anyOfAll(comm_, !came.empty())) continue;  // nobody asked for it
       auto& values = share_.part.nodalFields[f].values;
       values.resize(std::size_t(share_.nodes.count(share_.rank)));
+      // Copies come in the order of files, and the last one written stays.
       std::reverse(came.begin(), came.end());
       for (const Sent& s : came) values[std::size_t(s.index - share_.firstNode())] = s.value;
     }
@@ -266,6 +271,7 @@ class Joiner {
           sent.push_back({*index++, *number++, {}});
           for (std::size_t i = 0; i < n; ++i) sent.back().nodes.push_back(nodes[firstNode + std::size_t(block.connectivity[n * e + i])]);
         }
+        // As above: the largest array of a part goes first.
         block.connectivity = {};
       }
       firstNode += part.mesh.nodeNumbers.size();

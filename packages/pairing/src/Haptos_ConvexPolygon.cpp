@@ -7,6 +7,7 @@
 namespace Haptos {
 namespace {
 
+// Twice the area of the triangle a b c, positive counter-clockwise.
 double crossed(const Point2& a, const Point2& b, const Point2& c) {
   return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
@@ -16,10 +17,13 @@ double distance(const Point2& a, const Point2& b) { return std::hypot(b[0] - a[0
 // Signed distance from the edge a -> b, positive inside.
 double distanceInside(const Point2& a, const Point2& b, const Point2& x) { return crossed(a, b, x) / distance(a, b); }
 
+// Corners that nearly coincide become one: conforming meshes would breed slivers, whose integrals are all round-off.
 void append(Polygon& polygon, const Point2& x, double tolerance) {
   if (polygon.empty() || distance(polygon.back(), x) > tolerance) polygon.push_back(x);
 }
 
+// Sutherland and Hodgman: what lies inside of one edge of a convex window, corner by corner.  Corners on the edge count as inside, so
+// that faces with common edges neither lose nor double anything.
 Polygon clippedByEdge(const Polygon& subject, const Point2& a, const Point2& b, double tolerance) {
   Polygon result;
   for (std::size_t i = 0; i < subject.size(); ++i) {
@@ -37,6 +41,7 @@ Polygon clippedByEdge(const Polygon& subject, const Point2& a, const Point2& b, 
 
 }  // namespace
 
+// Fans of triangles from the first corner: exact for convex polygons, and relative to a corner, so that no digits are lost far away.
 double areaOf(const Polygon& polygon) {
   double twice = 0;
   for (std::size_t i = 2; i < polygon.size(); ++i) twice += crossed(polygon[0], polygon[i - 1], polygon[i]);

@@ -34,6 +34,7 @@ std::array<char, 3> heldRows(const ContactSurroundings& around, const ContactPai
 // D (x_s + C^T m) = M x_p:  D C^T is the identity but for nodes that stand for neighbours, which corrections see to.
 std::vector<Vec3::Array> movesOntoPrimary(const ContactSurface& s, const std::vector<MortarRow>& rows) {
   std::vector<Vec3::Array> moves(s.numNodes(), Vec3::Array{});
+  // Nodes that stand for neighbours share their error out; each round leaves a part of it, a small one.
   constexpr int kMostCorrections = 1000;
   double rest = 1;
   for (int correction = 0; correction < kMostCorrections && rest > roundOff / 10; ++correction) {
@@ -60,6 +61,7 @@ void moveTiedNodes(const MortarDraft& draft, const std::vector<MortarRow>& rows,
   for (std::size_t i = 0; i < moves.size(); ++i) {
     const double length = Vec3::norm(moves[i]);
     if (!(length > roundOff * s.sizes[i])) continue;
+    // So far off it is no faceting any more: moving it would change the body that the user drew.
     if (length > kFarthestMove * s.sizes[i]) {
       ++tooFar;
       continue;

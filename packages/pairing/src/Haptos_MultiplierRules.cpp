@@ -34,6 +34,7 @@ bool contains(const ContactSurface& surface, std::int64_t node) {
   return std::binary_search(surface.nodes.begin(), surface.nodes.end(), node);
 }
 
+// Of a tie all three components must be held, of a contact its normal: a row that only moves other nodes would repeat what supports say.
 void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
   if (around.isPrescribed.empty()) return;
   const auto isHeld = [&](std::size_t i) {
@@ -50,6 +51,7 @@ struct Claim {
   double area;
   Vec3::Array normal;
 
+  // Ties first, as they leave nothing open; then pairs of single nodes, which cannot stand back; then who has more area there.
   bool goesBefore(const Claim& other) const {
     if (isTied != other.isTied) return isTied;
     if (isMortar != other.isMortar) return other.isMortar;
@@ -81,6 +83,7 @@ void barNodesOfOthers(Drafts& drafts, std::vector<ContactInterface>& interfaces)
     if (claims.size() < 2) continue;
     const Claim first = *std::min_element(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) { return a.goesBefore(b); });
     for (const Claim& claim : claims) {
+      // At an edge between two frictionless contacts both normals may hold a node: they are independent.
       const bool isApart = first.isFrictionless && claim.isFrictionless && std::abs(Vec3::dot(first.normal, claim.normal)) < kSameNormal;
       if (claim.isMortar && claim.interface != first.interface && !isApart) lost[claim.interface].push_back(node);
     }
@@ -93,6 +96,7 @@ void barNodesOfOthers(Drafts& drafts, std::vector<ContactInterface>& interfaces)
 }
 
 // [interfaces x interfaces] whether secondary nodes of the first are primary in the second, over any number of steps
+// Warshall: a step from a to b by way of c, for every c.
 std::vector<std::vector<char>> reachable(const Drafts& drafts) {
   const std::size_t n = drafts.size();
   std::vector<std::vector<char>> reach(n, std::vector<char>(n, 0));
@@ -111,6 +115,7 @@ void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces
   const auto reach = reachable(drafts);
   for (std::size_t b = 0; b < drafts.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
+      // Each of the two would write the other's nodes as means of its own: rows in a circle may depend on each other.
       if (!reach[a][b] || !reach[b][a]) continue;
       const auto isPrimary = [&](std::size_t i) { return contains(drafts[a]->primary, drafts[b]->secondary.nodes[i]); };
       bar(*drafts[b], Bar::Taken, isPrimary, "are primary in '" + interfaces[a].name + "', whose secondary nodes are primary here,", interfaces[b].notes, interfaces[b].name);

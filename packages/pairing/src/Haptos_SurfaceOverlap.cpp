@@ -22,6 +22,7 @@ struct Segment {
   double distance;  // of the facets, along the plane's normal
 };
 
+// By the inverse of the face's own map along the plane's normal: the point that the clipped polygon stands for.
 FaceValues valuesAt(const ProjectedFace& face, const Point2& x) {
   const auto point = face.pointAt(x);
   HAPTOS_REFUSE_IF(!point, "Side set '" << face.surface.name << "': a face near (" << face.at(0)[0] << ", " << face.at(0)[1] << ", "
@@ -73,6 +74,7 @@ void Overlap::cutFacet(int facet) {
   for (int i = 0; i < corners; ++i) middle = Vec3::add(middle, Vec3::scale(1.0 / corners, corner(i)));
   double size = 0;
   for (int i = 0; i < corners; ++i) size = std::max(size, 2 * Vec3::norm(Vec3::subtract(corner(i), middle)));
+  // Of the face itself, not a mean of nodal normals: these tilt at free edges of curved surfaces, and uniform pressure is lost there.
   const ProjectionPlane plane(middle, s_.facetNormals[std::size_t(facet)]);
   const Polygon own = projected(s_, facet, plane);
   for (const Segment& segment : findSegments(facet, plane, own, size)) {
@@ -83,12 +85,14 @@ void Overlap::cutFacet(int facet) {
 
 std::vector<Segment> Overlap::findSegments(int facet, const ProjectionPlane& plane, const Polygon& own, double size) {
   tree_.facetsNearLine(plane.origin, plane.normal, found_, 0.5 * size);
+  // The tree's order depends on how it was built; sums must not.
   std::sort(found_.begin(), found_.end());
   std::vector<Segment> segments;
   const double whole = areaOf(own);
   for (const int other : found_) {
     if (Vec3::dot(plane.normal, p_.facetNormals[std::size_t(other)]) >= opposing) continue;
     Polygon window = projected(p_, other, plane);
+    // Seen from the secondary side the primary facet runs clockwise.
     std::reverse(window.begin(), window.end());
     Polygon piece = clipped(own, window, roundOff * size);
     if (piece.empty() || areaOf(piece) <= roundOff * whole) continue;
@@ -103,6 +107,7 @@ std::vector<Segment> Overlap::findSegments(int facet, const ProjectionPlane& pla
 void Overlap::dropFartherLayers(std::vector<Segment>& segments, double area, double size) const {
   double covered = 0;
   for (const Segment& segment : segments) covered += areaOf(segment.polygon);
+  // Mostly one layer: then nothing is compared with anything.
   if (covered <= (1 + kOverlapping) * area) return;
   const auto order = [](const Segment& a, const Segment& b) {
     return std::make_pair(std::abs(a.distance), a.facet) < std::make_pair(std::abs(b.distance), b.facet);
@@ -127,6 +132,7 @@ double Overlap::distanceTo(int facet, const ProjectionPlane& plane, const Point2
   return Vec3::dot(Vec3::subtract(corner, x), normal) / Vec3::dot(plane.normal, normal);
 }
 
+// A node has a multiplier where it lies opposite a facet, whatever the integrals around it: its gap is measured there.
 void Overlap::markCovered(int facet, const Polygon& own, const Polygon& other, double size) {
   const Polygon window(other.rbegin(), other.rend());
   for (std::size_t i = 0; i < own.size(); ++i)
@@ -140,6 +146,7 @@ void Overlap::integrate(int facet, const Segment& segment, const ProjectionPlane
   auto known = std::find_if(sums.across.begin(), sums.across.end(), [&](const auto& item) { return item.first == otherFace; });
   if (known == sums.across.end())
     known = sums.across.insert(sums.across.end(), {otherFace, Eigen::MatrixXd::Zero(own.face.size, other.face.size)});
+  // The inverse of a bilinear map is no polynomial: see real distorted quadrilaterals in decisions/031.
   const auto& rule = own.isAffine(size) && other.isAffine(size) ? sevenPoints() : thirtySixPoints();
   const Point2 middle = centroidOf(segment.polygon);
   for (std::size_t i = 0; i < segment.polygon.size(); ++i) {
@@ -164,6 +171,7 @@ void Overlap::addPoint(const ProjectedFace& own, const ProjectedFace& other, con
   const Eigen::Map<const Eigen::VectorXd> N(v.N.data(), own.face.size), Np(w.N.data(), other.face.size);
   const auto gap = Vec3::subtract(other.sum(w.N), own.sum(v.N));
   sums.add(v, dA);
+  // int N (x_p - x_s): weighted with the dual functions later, where rows take gaps from integrals.
   sums.gap += dA * N * Eigen::Map<const Eigen::RowVector3d>(gap.data());
   across += dA * N * Np.transpose();
 }

@@ -50,6 +50,7 @@ double largestStepInEllipse(const Point& y, const Point& p, const Ellipse& e) {
     uq += u * q;
     room -= u * u;
   }
+  // A step along fixed entries alone, or none: it never leaves.
   if (!(qq > 0)) return std::numeric_limits<double>::infinity();
   room = std::max(room, 0.0L);
   const long double root = std::sqrt(uq * uq + qq * room);
@@ -159,6 +160,7 @@ double BoundEllipseSet::maxFeasibleStep(const MultiVector& x, const MultiVector&
   double step = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < bounds_.size(); ++i) {
     const int row = bounds_[i].row;
+    // x - t p: only a positive p goes down to the bound.
     if (!boundActive_[i] && pv[row] > 0)
       step = std::min(step, std::max(0.0, (xv[row] - bounds_[i].lower) / pv[row]));
   }
@@ -167,6 +169,7 @@ double BoundEllipseSet::maxFeasibleStep(const MultiVector& x, const MultiVector&
     if (ellipseActive_[i]) continue;
     step = std::min(step, largestStepInEllipse(relativeToCentre(xv.getRawPtr(), e), {pv[e.rows[0]], pv[e.rows[1]]}, e));
   }
+  // One step for all ranks: the shortest that anyone allows.
   double global = 0;
   Teuchos::reduceAll(*map_->getComm(), Teuchos::REDUCE_MIN, step, Teuchos::outArg(global));
   return global;

@@ -74,11 +74,14 @@ class ContactFields {
 
   void describe(std::size_t i, double weight, const PairState& pair) {
     auto& share = shares_[{pair.interface, i}];
+    // Mean pressure = sum of forces over sum of areas, interface by interface: a node in two interfaces has the sum of their pressures.
     share[0] += weight * pair.normalForce;
     share[1] += weight * pair.area;
     normalForce[i] += weight * pair.normalForce;
+    // Of several pairs the closest counts, and the state that holds most.
     gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
     status[i] = std::max(status[i], double(int(pair.status)));
+    // Slips and axes of different pairs cannot be averaged: directions may be opposite.
     if (weight < most_[i]) return;
     most_[i] = weight;
     for (std::size_t d = 0; d < 3; ++d) {
@@ -116,6 +119,7 @@ ElementResults gatherElementResults(const Communicator& comm, const std::vector<
   for (std::size_t i = 0; i < subdomains.size(); ++i) {
     const Subdomain& sub = subdomains[i];
     const Eigen::Map<const Eigen::VectorXd> ui(data.getRawPtr() + offsets[i], sub.numDofs());
+    // Groups list their elements in the order of `sub.elements`.
     std::size_t element = 0;
     for (const auto& group : sub.groups)
       for (const auto& stress : elementStresses(sub.coordinates, group, materials[group.material], ui))

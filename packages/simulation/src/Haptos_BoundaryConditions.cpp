@@ -41,6 +41,7 @@ NamedSet findNamedSet(const MeshShare& mesh, const std::string& name, const std:
   if (nodeSet < 0 && sideSet < 0)
     throw InputError(path + "->Sets: the mesh has no node set or side set '" + name + "'; its node sets are: " +
                      listNodeSets(mesh.part) + "; its side sets are: " + listSideSets(mesh.part));
+  // Sizes over all ranks: a set may be empty in this share and not in the mesh.
   const Index members = (nodeSet < 0 ? 0 : mesh.nodeSetSizes[std::size_t(nodeSet)]) + (sideSet < 0 ? 0 : mesh.sideSetSizes[std::size_t(sideSet)]);
   if (members == 0) throw InputError(path + "->Sets: the set '" + name + "' has no nodes");
   return {0, nodeSet, sideSet};
@@ -78,6 +79,7 @@ std::vector<std::vector<Given>> evaluate(const Displacements& displacements, con
         if (const auto place = std::size_t(node - mesh.firstNode()); own.isUsed[place])  // one without elements has nothing to hold
           give(node, mesh.part.coordinates[place]);
     if (set.sideSet < 0) continue;
+    // Each node once, though several sides of the set have it.
     std::set<Index> nodes;
     for (const auto& side : own.part.mesh.sideSets[std::size_t(set.sideSet)].sides)
       for (auto node : nodesOfSide(own.part.mesh, offsets, side)) nodes.insert(node);
@@ -102,6 +104,7 @@ std::vector<PrescribedDisplacement> firstValues(std::vector<Given> given, std::v
     if (given[i].node != given[first].node || given[i].component != given[first].component) first = i;
     if (i == first) result.push_back({given[i].node, given[i].component, given[i].value});
     const double before = given[first].value, now = given[i].value;
+    // Expressions of two conditions may differ by round-off where they mean the same.
     if (std::abs(before - now) > 1e-12 * std::max(std::abs(before), std::abs(now))) conflicts.push_back({given[first], given[i]});
   }
   if (!conflicts.empty()) conflicts = {*std::min_element(conflicts.begin(), conflicts.end())};
@@ -128,6 +131,7 @@ std::vector<PrescribedDisplacement> collectDisplacements(const Communicator& com
   });
   std::vector<Conflict> conflicts;
   auto result = firstValues(joined(exchangeValues(comm, toOwner)), conflicts);
+  // Each rank tells its first one, and all ranks refuse with the same, whoever found it.
   conflicts = gatheredOnAll(comm, conflicts);
   if (conflicts.empty()) return result;
   const auto [first, other] = *std::min_element(conflicts.begin(), conflicts.end());

@@ -22,6 +22,7 @@ bool contains(const std::vector<int>& list, int value) { return std::find(list.b
 
 // Sides of a group that a load acts on, each once: sets overlap, and some programs list a face twice.
 std::vector<GroupSide> loadedSides(const Subdomain& sub, int group, const Load& load) {
+  // A set sorts them, too: sums of loads come in the same order however the file lists sides.
   std::set<std::pair<int, int>> found;
   for (const auto& side : sub.sides)
     if (side.group == group && contains(load.sideSets, side.sideSet)) found.emplace(side.element, side.side);
@@ -73,6 +74,7 @@ bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<I
 // The file's number of a node; that of rank 0 counts.  Collective.
 std::string numberOf(const DistributedModel& model, std::int64_t node) {
   const MeshShare& mesh = model.mesh;
+  // Ranks may know different nodes, and all must ask for the same.
   const auto asked = broadcasted(*model.comm, node);
   const bool isMine = asked >= mesh.firstNode() && asked < mesh.endNode();
   return std::to_string(sumOfAll(*model.comm, isMine ? mesh.part.nodeNumbers[std::size_t(asked - mesh.firstNode())] : 0));

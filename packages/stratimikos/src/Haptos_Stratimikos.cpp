@@ -24,6 +24,7 @@ using Extract = Thyra::TpetraOperatorVectorExtraction<double, Haptos::LocalOrdin
 
 constexpr const char* kVerbose = "VerboseObject";  // a sublist that Stratimikos' solvers may have
 
+// Stratimikos wraps a Tpetra operator for Thyra; null where another operator is inside.
 RCP<const SubdomainMatrix> matrixOf(const RCP<const Thyra::LinearOpBase<double>>& op) {
   using Wrapped = Thyra::TpetraLinearOp<double, Haptos::LocalOrdinal, Haptos::GlobalOrdinal, Haptos::Map::node_type>;
   const auto wrapped = Teuchos::rcp_dynamic_cast<const Wrapped>(op);
@@ -38,8 +39,10 @@ class HaptosSolve final : public Thyra::LinearOpWithSolveBase<double> {
   // Not initialised where something goes wrong.
   void initialize(const Source& source, const ParameterList& parameters) {
     const auto matrix = matrixOf(source->getOp());
+    // The same matrix object again means new values in the same subdomains: factors are made anew, rows and maps stay.
     const bool isSame = !system_.is_null() && matrix == matrix_ && parameters == parameters_;
     const auto system = isSame ? system_ : Teuchos::rcp(new ContactSystem(matrix->getDomainMap()->getComm(), Teuchos::rcpFromRef(parameters)));
+    // Where making or renewing it throws, nothing half made is left to solve with.
     system_ = Teuchos::null;
     if (isSame) system->updateStiffness();
     else matrix->addTo(*system);
@@ -90,6 +93,7 @@ Thyra::SolveStatus<double> HaptosSolve::solveImpl(Thyra::EOpTransp, const Thyra:
                                                   const Teuchos::Ptr<Thyra::MultiVectorBase<double>>& X,
                                                   const Teuchos::Ptr<const Thyra::SolveCriteria<double>> criteria) const {
   TEUCHOS_TEST_FOR_EXCEPTION(system_.is_null(), std::logic_error, "HaptosSolverFactory: the solver is not initialised");
+  // A criterion without a number leaves the tolerance to the parameters.
   const bool asks = !criteria.is_null() && isMeasured(*criteria) && !criteria->solveMeasureType.useDefault() &&
                     criteria->requestedTol != Thyra::SolveCriteria<double>::unspecifiedTolerance();
   const auto b = Extract::getConstTpetraMultiVector(Teuchos::rcpFromRef(B));
@@ -113,6 +117,7 @@ void HaptosSolve::solveColumn(const Vector& b, Vector& x, double wanted, Thyra::
     system_->setTolerance(tolerance);
     achieved = solveOnce(b, x, status);
     if (wanted == 0 || achieved <= wanted || status.solveStatus != Thyra::SOLVE_STATUS_CONVERGED) break;
+    // Half of what the two measures differ by, in steps that neither crawl nor run into round-off.
     tolerance *= std::clamp(0.5 * wanted / achieved, 0.01, 0.5);
   }
   if (wanted > 0 && achieved > wanted) status.solveStatus = Thyra::SOLVE_STATUS_UNCONVERGED;
@@ -132,10 +137,12 @@ double HaptosSolve::solveOnce(const Vector& b, Vector& x, Thyra::SolveStatus<dou
   {
     const auto from = b.getData(0);
     const auto to = x.getDataNonConst(0);
+    // Held rows of A are those of the identity: there x is what b asks for.
     for (auto row : matrix_->held()) to[row] = from[row];
   }
   if (!outcome.solved) status.solveStatus = Thyra::SOLVE_STATUS_UNCONVERGED;
   status.message = outcome.reason;
+  // Stratimikos reports one number a solve: multiplications by F of all columns and attempts together.
   status.extraParameters->set("Iteration Count", status.extraParameters->get<int>("Iteration Count") + int(outcome.multiplications));
   Vector r(b, Teuchos::Copy);
   matrix_->apply(x, r, Teuchos::NO_TRANS, -1.0, 1.0);
@@ -170,6 +177,7 @@ void HaptosSolverFactory::uninitializeOp(LinearOpWithSolveBase<double>* op, RCP<
                                          RCP<const PreconditionerBase<double>>* preconditioner, RCP<const LinearOpSourceBase<double>>* approximate,
                                          ESupportSolveUse*) const {
   const auto own = Teuchos::dyn_cast<HaptosSolve>(*op).takeSource();
+  // Whoever takes the operator apart asks for some of its pieces; there never is a preconditioner.
   if (source != nullptr) *source = own;
   if (preconditioner != nullptr) *preconditioner = Teuchos::null;
   if (approximate != nullptr) *approximate = Teuchos::null;
@@ -183,6 +191,7 @@ RCP<const ParameterList> HaptosSolverFactory::getValidParameters() const {
   addSublist<Haptos::PreconditionerOptions>(*list, "Preconditioner");
   addSublist<Haptos::CoarseOptions>(*list, "Coarse Problem");
   addSublist<Haptos::DecompositionOptions>(*list, "Decomposition");
+  // Its entries are Teuchos' own and differ from version to version.
   list->sublist(kVerbose).disableRecursiveValidation();
   return list;
 }

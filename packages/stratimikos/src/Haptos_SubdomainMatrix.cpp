@@ -56,6 +56,7 @@ SubdomainMatrix::SubdomainMatrix(const RCP<const Communicator>& comm, const std:
                                  const std::vector<GlobalOrdinal>& held, const RCP<const Map>& map) {
   const auto unknowns = unknownsOf(subdomains);
   const auto here = mapOf(comm, unknowns);
+  // Without a map of the caller's each unknown goes to one of the ranks that have it.
   map_ = map.is_null() ? Tpetra::createOneToOne<LocalOrdinal, GlobalOrdinal, Map::node_type>(here) : map;
   requireIn(*map_, unknowns, " is not in the map of the matrix; it must have 3 x id + component for every node.");
   overlap_ = Teuchos::rcp(new Tpetra::Import<>(map_, here));
@@ -105,9 +106,11 @@ void SubdomainMatrix::apply(const MultiVector& x, MultiVector& y, Teuchos::ETran
   in.doImport(x, *overlap_, Tpetra::INSERT);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const auto from = in.getDataNonConst(v), to = out.getDataNonConst(v);
+    // A with rows and columns of held unknowns taken out, and 1 on their diagonal below: symmetric, as K is.
     for (auto row : heldHere_) from[row] = 0;
     for (const auto& part : parts_) multiply(part, from.getRawPtr(), to.getRawPtr());
   }
+  // What subdomains on several ranks say of one unknown adds up where it is owned.
   sum.doExport(out, *overlap_, Tpetra::ADD);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
     const auto from = x.getData(v);

@@ -88,6 +88,7 @@ struct ContactSystem::Impl {
   // Rows may be made only for their right-hand sides: the system keeps its own, which are the same but for c.
   void takeRows(const RCP<const MultiplierMap>& rowsOfToday) {
     const auto vector = Teuchos::rcp(new Vector(solver->system().model().multipliers->map()));
+    // Changed gaps or prescribed values never change the number of rows; what does is marked as a change of rows.
     TEUCHOS_ASSERT(rowsOfToday->c().size() == vector->getLocalLength());
     const auto data = vector->getDataNonConst(0);
     std::copy(rowsOfToday->c().begin(), rowsOfToday->c().end(), data.begin());
@@ -95,6 +96,7 @@ struct ContactSystem::Impl {
   }
 
   void start() {
+    // Kept only when all checks passed: after a refusal the next call begins again with what was added since.
     auto fresh = std::make_unique<StepSolver>(input->deal(decomposition), options, StepSolver::Observer{});
     fresh->prepare();
     solver = std::move(fresh);
@@ -131,6 +133,7 @@ struct ContactSystem::Impl {
 };
 
 ContactSystem::ContactSystem(const RCP<const Communicator>& comm, const RCP<const ParameterList>& parameters) : impl_(std::make_unique<Impl>()) {
+  // Messages of this system never meet those of the application or of another system.
   impl_->comm = comm->duplicate();
   impl_->input = std::make_unique<SystemInput>(impl_->comm);
   if (parameters.is_null()) return;
@@ -203,6 +206,7 @@ int ContactSystem::addElement(int body, ArrayView<const GlobalOrdinal> nodes, Ar
     if (place == impl_->input->places.end() || node < 0)
       return refuse(who + " has node " + std::to_string(node) +
                            ", whose place was not given on this rank: call addNodes first, with ids >= 0.");
+    // Copied now: the cutter needs them after the caller's arrays are gone.
     element.places.push_back(place->second);
   }
   impl_->input->elements.push_back(std::move(element));
@@ -227,6 +231,7 @@ void ContactSystem::prescribe(GlobalOrdinal node, int component, double value) {
                          std::to_string(value) +
                          "; components are 0, 1, 2 and values finite.");
   const auto [at, isNew] = impl_->input->prescribed.insert_or_assign({std::int64_t(node), component}, value);
+  // Another value at a support moves c alone; a support more is a row more.
   (isNew ? impl_->changes.rows : impl_->changes.values) = true;
 }
 
@@ -260,6 +265,7 @@ void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
     return impl_->refuse("Friction is given for interface " + std::to_string(interface) + "; there are " +
                          std::to_string(impl_->input->interfaces.size()) + ", numbered from 0.");
   FrictionSpec& own = impl_->input->interfaces[std::size_t(interface)].friction;
+  // Marked even where rows change, too: laws are read anew with them.
   (needsRows(own, friction) ? impl_->changes.rows : impl_->changes.laws) = true;
   impl_->changes.laws = true;
   own = friction;
@@ -337,12 +343,14 @@ std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   const auto first = gatheredOnAll(comm, input.firstOfInterface());  // [ranks][interfaces]
   const auto rankOf = [&](const Force& force) {
     int rank = comm.getSize() - 1;
+    // From the last: ranks without pairs share the first position of those above them.
     while (first[std::size_t(rank) * interfaces + std::size_t(force.interface)] > force.position) --rank;
     return rank;
   };
   std::map<std::pair<int, int>, std::array<double, 3>> forces;
   for (const Force& force : sendItems(comm, mine, rankOf)) forces[{force.interface, force.position}] = force.value;
   std::vector<std::array<double, 3>> result;
+  // The same count as in `placePairs`, in the same order.
   std::vector<int> next = input.firstOfInterface();
   for (const auto& pair : input.pairs) result.push_back(forces[{pair.interface, next[std::size_t(pair.interface)]++}]);
   return result;

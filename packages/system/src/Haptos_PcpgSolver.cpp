@@ -22,6 +22,7 @@ class ProjectedPreconditioner final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
     MultiVector px(x.getMap(), x.getNumVectors()), z(x.getMap(), x.getNumVectors());
     P_->apply(x, px);
+    // Belos knows no projections: P M P keeps its directions in Ker G.
     M_->apply(px, z);
     P_->apply(z, y, Teuchos::NO_TRANS, alpha, beta);
   }
@@ -50,6 +51,7 @@ void PcpgSolver::begin(const RCP<const Vector>& start) {
   dual.F->apply(*dual.lambdaIm, r, Teuchos::NO_TRANS, -1.0, 1.0);
   b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
   dual.P->apply(r, *b_);
+  // Loads that G^T alone carries leave round-off in b: to solve for that would take forever.
   const bool isNothing = b_->getVector(0)->norm2() <= kNothing * r.norm2();
   if (isNothing) b_->putScalar(0.0);
   x_->putScalar(0.0);
@@ -70,6 +72,7 @@ bool PcpgSolver::solve(const SolveRequest& request) {
   }
   problem->setProblem();
   auto list = Teuchos::parameterList();
+  // Two are F lambdaIm and the last one, for s.
   const long left = request.maximumMultiplications - dual.F->applications() - 2;
   list->set("Maximum Iterations", int(std::max(1L, left)));
   list->set("Convergence Tolerance", request.tolerance);

@@ -100,6 +100,7 @@ bool StepSolver::iterate(StepResult& result) {
     if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
+    // Half of what is too much, but by no more than two digits at a time: the two measures are not proportional.
     request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   return passed;

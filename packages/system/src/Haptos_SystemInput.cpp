@@ -30,6 +30,7 @@ constexpr int kComponents = 3;
 // The elements of a subdomain merged, on this rank alone.
 SystemInput::Subdomain merge(const ElementPart& part) {
   SystemInput::Subdomain sub{part.body, {}, {}};
+  // Sorted by id, so that a subdomain numbers its nodes the same way however its elements come.
   std::map<std::int64_t, std::array<double, 3>> places;
   for (const auto& element : part.elements)
     for (std::size_t i = 0; i < element.nodes.size(); ++i) places[element.nodes[i]] = element.places[i];
@@ -58,6 +59,7 @@ SystemInput::Subdomain merge(const ElementPart& part) {
   const auto K = Teuchos::rcp(new CrsMatrix(map, widest));
   for (std::size_t row = 0; row < columns.size(); ++row) {
     const std::vector<GlobalOrdinal> list(columns[row].begin(), columns[row].end());
+    // Explicit zeros hold the place: K then has one pattern for all values that elements may bring later.
     const std::vector<double> zeros(list.size(), 0.0);
     K->insertGlobalValues(GlobalOrdinal(row), LocalOrdinal(list.size()), zeros.data(), list.data());
   }
@@ -94,6 +96,7 @@ void checkPair(const PairInput& pair, int numInterfaces) {
 void SystemInput::checkInterfaces() const {
   ByteWriter writer;
   writer.write(interfaces);
+  // Bytes are compared, not values: what differs by round-off came from different sources, too.
   const auto all = gatherOnAll(*comm_, writer.take());
   if (!std::equal(all.begin() + 1, all.end(), all.begin()))
     throw InputError("The interfaces differ from rank to rank; every rank must add the same ones, in the same order, with the same friction.");
@@ -118,6 +121,7 @@ std::vector<std::string> SystemInput::nameBodies() const {
   for (const auto& sub : dealt_) last = std::max(last, sub.body);
   std::vector<int> here(std::size_t(largestOfAll(*comm_, last)) + 1, 0);
   for (const auto& sub : dealt_) here[std::size_t(sub.body)] = 1;
+  // A body may lie on a few ranks only; all must know its name.
   const auto anywhere = largestOfAll(*comm_, here);
   std::vector<std::string> names;
   for (std::size_t body = 0; body < anywhere.size(); ++body) {
@@ -183,6 +187,7 @@ void SystemInput::numberNodes() {
   std::vector<std::int64_t> ids;
   for (const auto& sub : dealt_) ids.insert(ids.end(), sub.ids.begin(), sub.ids.end());
   numbering_ = NodeNumbering(comm_, ids);
+  // By rendezvous: no rank knows all ids.
   const auto numbers = numbering_.find(ids);
   nodes_.clear();
   std::size_t at = 0;
@@ -202,6 +207,7 @@ void SystemInput::mapNodes(const std::vector<std::int64_t>& ids) {
   std::vector<GlobalOrdinal> unknowns;
   for (auto id : unique)
     for (int d = 0; d < kComponents; ++d) unknowns.push_back(kComponents * id + d);
+  // Every rank's unknowns once, copies of a rank merged: the callers' view, from which `map_` takes each unknown for one rank.
   overlap_ = mapOf(unknowns, comm_);
   map_ = Tpetra::createOneToOne<LocalOrdinal, GlobalOrdinal, Map::node_type>(overlap_);
   overlapOfCopy_.clear();
@@ -281,6 +287,7 @@ std::vector<PlacedPair> SystemInput::placePairs() {
   const auto numbers = numbering_.find(ids);
   std::vector<int> count(interfaces.size(), 0);
   for (const auto& pair : pairs) ++count[std::size_t(pair.interface)];
+  // A pair's number follows from ranks and order of addition alone, so that results find their way back without a table.
   auto next = firstOfInterface_ = sumOfLower(*comm_, count);
   std::vector<PlacedPair> placed;
   std::size_t at = 0;
@@ -292,6 +299,7 @@ std::vector<PlacedPair> SystemInput::placePairs() {
     for (const auto& pair : pairs) {
       ContactPair geometry;
       geometry.secondaryNode = nodeOf(pair, pair.secondary);
+      // Callers pair a node; lists on the secondary side come from mortar rows only.
       geometry.secondary = {{geometry.secondaryNode, 1.0}};
       for (const auto& [node, weight] : pair.primary) geometry.primary.push_back({nodeOf(pair, node), weight});
       geometry.frame = makeFrame(pair.normal, pair.axis);
@@ -307,9 +315,11 @@ std::vector<PlacedPair> SystemInput::placePairs() {
 RCP<const MultiplierMap> SystemInput::makeRows() {
   RowSources sources;
   for (std::size_t i = 0; i < dealt_.size(); ++i)
+    // Nodal stiffnesses weigh the copies of a node in contact rows, which therefore change with K.
     sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
   sources.pairs = placePairs();
   sources.prescribed = collectPrescribed();
+  // The check of the answer looks at nodes where the mean of their copies is made.
   prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });
   for (const auto& [name, friction] : interfaces)
     sources.interfaces.push_back({name, friction.tied, friction.law != FrictionLaw::Frictionless});
