@@ -109,7 +109,7 @@ def main():
             if not (work / "build" / program).exists():
                 print(f"NOTICE: {program} is SKIPPED: there is no Fortran compiler")
                 continue
-            for ranks in (1, 2):
+            for ranks in (1, 2, 3):  # of three, two solve
                 print(run(*mpirun, "-n", ranks, work / "build" / program, work / f"{program}_{ranks}.txt").strip())
                 compare(f"{program} on {ranks} ranks", work / f"{program}_{ranks}.txt", expected)
         check_python(prefix, mpirun, work, expected, environment_of_python(prefix, arguments.flags))
