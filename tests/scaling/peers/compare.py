@@ -110,10 +110,11 @@ def compare_petsc(program, n, repeat):
     seconds = peer["setup"] + peer["solve"]
     print("  PETSc CG+GAMG, tied, %d unknowns: set-up %.2f + solve %.2f s, %d iterations, true residual %.1e" %
           (peer["unknowns"], peer["setup"], peer["solve"], peer["iterations"], peer["residual"]))
-    for method, goal in (("METIS", 1.5), ("Bricks", 0.7)):
-        ours = least(repeat, lambda: run_haptos(program, n, method), lambda run: run["fcs"])
-        print("  Haptos, frictional, %s: factor + coarse + solve %.2f s, %d multiplications, %d subdomains: %.2f times PETSc (goal %.1f)" %
-              (method, ours["fcs"], ours["solver"]["hessian_multiplications"], ours["model"]["subdomains"], ours["fcs"] / seconds, goal))
+    for law, extra, goals in (("frictional", (), (1.5, 0.7)), ("tied", ("Contact->interface->Friction->Law=Tied",), (0.7, 0.7))):
+        for method, goal in zip(("METIS", "Bricks"), goals):
+            ours = least(repeat, lambda: run_haptos(program, n, method, extra), lambda run: run["fcs"])
+            print("  Haptos, %s, %s: factor + coarse + solve %.2f s, %d multiplications, %d subdomains: %.2f times PETSc (goal %.1f)" %
+                  (law, method, ours["fcs"], ours["solver"]["hessian_multiplications"], ours["model"]["subdomains"], ours["fcs"] / seconds, goal))
 
 
 def compare_contact(program, n, name, script, goal, tolerance):  # minutes a run: once
