@@ -82,6 +82,16 @@ void GluingBalance::removeRigidPart(Eigen::VectorXd& s) const {
   s -= multiply(*dual_.GT, a);
 }
 
+// J a, min || J a - s ||
+Eigen::VectorXd GluingBalance::nearestMotion(const Eigen::VectorXd& s) const {
+  const Eigen::Index k = jumps_.cols();
+  if (k == 0) return Eigen::VectorXd::Zero(s.size());
+  Eigen::MatrixXd sums(k, k + 1);
+  sums << jumps_.transpose() * jumps_, jumps_.transpose() * s;
+  vectors_.sum(sums);
+  return jumps_ * solveByLdlt(sums.leftCols(k), sums.rightCols(1));
+}
+
 namespace {
 
 // Rows of G^T in the order of contact values.

@@ -27,6 +27,9 @@ class GluingBalance {
 
   Eigen::VectorXd applyG(const Eigen::VectorXd& v) const;  ///< Collective
 
+  /// \brief Jumps of the floating motion that is nearest to these jumps.  Collective.
+  Eigen::VectorXd nearestMotion(const Eigen::VectorXd& s) const;
+
   /// \brief This rank's part of G_E v_E [l].
   Eigen::VectorXd sumGluing(const Eigen::VectorXd& v) const;
 

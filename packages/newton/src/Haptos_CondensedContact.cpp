@@ -55,11 +55,14 @@ struct CondensedContact::Model {
   }
   Point at(const Eigen::VectorXd& sigma) const { return at(sigma, M.multiply(sigma)); }
 
-  // Damped Newton; where nothing descends, the full step lets the active set move.  Returns the best point.
+  // Damped Newton; where nothing descends, the full step lets the active set move.  Returns the best point,
+  // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
   Point newton(Point point, double target) const {
+    const Point first = point;
+    const double farthest = M.hasKernel() ? options.farthest * M.vectors().norm(s - point.sigma) : 0.0;
     Point best = point;
     for (int k = 0; k < options.newtonSteps && point.norm > target; ++k) {
-      const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi), Md = M.multiply(d);
+      const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
       if (!std::isfinite(M.vectors().norm(d))) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
       const Point whole = along(1);
@@ -70,6 +73,7 @@ struct CondensedContact::Model {
         if (trial.norm < next.norm) next = std::move(trial);
       }
       point = next.norm < point.norm ? std::move(next) : whole;
+      if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       if (point.norm < best.norm) best = point;
     }
     return best;
@@ -83,11 +87,15 @@ struct CondensedContact::Model {
     Point near = newton(start, target);
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
     if (near.norm <= target) return near;
-    const Eigen::VectorXd sigma =
-        followConePath(pairs, M, lambda, s, [&](const Eigen::VectorXd& x) { return at(x).norm; }, target, options);
-    Point far = newton(at(sigma), target);
-    left = std::min(near.norm, far.norm) / start.norm;
-    return far.norm < near.norm ? far : near;
+    // With the value of |F s_T| alone some paths end half way, with its derivative others.
+    for (const SlipTerm slip : {SlipTerm::Value, SlipTerm::Derivative}) {
+      const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
+      Point far = newton(at(followConePath(pairs, M, lambda, s, residual, target, slip, options)), target);
+      if (far.norm < near.norm) near = std::move(far);
+      left = near.norm / start.norm;
+      if (near.norm <= target) break;
+    }
+    return near;
   }
 };
 
@@ -97,7 +105,7 @@ Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, c
   const Eigen::VectorXd m = forcesOfGluing(s);
   Eigen::VectorXd rhs = -phi;
   for (std::size_t i = 0; i < A.size(); ++i) rhs.segment<3>(3 * Eigen::Index(i)) -= A[i] * m.segment<3>(3 * Eigen::Index(i));
-  return response(s, contact_.solve(A, law.dP, rhs));
+  return response(s, contact_.solve(A, law.dP, rhs, options_.linearTolerance));
 }
 
 // sigma = 0, nothing moves, is where Newton starts.

@@ -12,6 +12,13 @@ RCP<const Operator> contactRowsOf(const ContactOperators::Deflated& deflated, co
   return deflated.contactM.is_null() ? contactBlockOf(deflated.M, dual.pairs) : deflated.contactM;
 }
 
+// Jumps of contact that the motions of floating bodies cause, [3 pairs x k].
+Eigen::MatrixXd contactJumps(const GluingBalance& balance) {
+  Eigen::MatrixXd jumps(3 * balance.vectors().numPairs(), balance.numFloating());
+  for (Eigen::Index j = 0; j < jumps.cols(); ++j) jumps.col(j) = balance.vectors().contact(balance.jumps().col(j));
+  return jumps;
+}
+
 SubspaceNewtonOptions::Condensed withReduction(SubspaceNewtonOptions::Condensed options, bool slender) {
   if (slender) options.reduction = options.reductionSlender;
   return options;
@@ -24,7 +31,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
-      matrix_(contactRowsOf(deflated, dual), balance.vectors(), diagonal,
+      matrix_({contactRowsOf(deflated, dual), diagonal, contactJumps(balance)}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, withReduction(options, deflated.contactM.is_null())),
       pairStiffness_(without) {

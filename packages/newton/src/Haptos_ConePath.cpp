@@ -61,8 +61,12 @@ PairCones::PairCones(const PairLaw& pair, double force, double length)
 double PairCones::product() const { return (hasNormal_ ? normal_.l.dot(normal_.y) : 0.0) + (hasBall_ ? ball_.l.dot(ball_.y) : 0.0); }
 
 // Components outside of the cones: (M d sigma) = - lambda.
-void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target) {
+void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target, SlipTerm slip) {
   K_.setZero();
+  jumpChange_ = (hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_).asDiagonal();
+  const Eigen::Vector2d slips = jumpChange_.bottomRightCorner<2, 2>() * s.tail<2>();
+  if (slip == SlipTerm::Derivative && slips.norm() > 0)
+    jumpChange_.block<1, 2>(0, 1) = -slips.normalized().transpose() * jumpChange_.bottomRightCorner<2, 2>();
   b_ = (D_.array() > 0).select(Eigen::Vector3d::Zero(), -lambda);
   missing_ = jumpMissing_ = Eigen::Vector3d::Zero();
   if (hasNormal_) normal_.aim(target);
@@ -71,9 +75,9 @@ void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& 
   if (hasBall_) linearizeBall(lambda, s);
 }
 
-// dl = D^-1 M dsigma + missing, dy = D dsigma + jumpMissing: (M + D W D) dsigma = D (rest - missing - W jumpMissing).  |F s_T| in
-// y_0 is taken as it is: with its derivative the matrix would not be symmetric, and steps not safer.  Under Tresca's law tangential
-// components are those of the ball, and of the normal cone l and y have the first one only.
+// dl = D^-1 M dsigma + missing, dy = D' dsigma + jumpMissing: (M + D W D') dsigma = D (rest - missing - W jumpMissing), D' = D but for
+// the derivative of |F s_T|.  Under Tresca's law tangential components are those of the ball, and of the normal cone l and y have the first
+// one only.
 void PairCones::linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s) {
   if (!hasNormal_) return;
   const Eigen::Vector3d D = hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_, inverse = hasBall_ ? D : inverseD_;
@@ -81,7 +85,7 @@ void PairCones::linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vec
   missing_ = inverse.cwiseProduct(lambda) - normal_.l;
   jumpMissing_ = jumps - normal_.y;
   jumpMissing_[0] += jumps.tail<2>().norm();
-  K_ = D.asDiagonal() * normal_.W * D.asDiagonal();
+  K_ = D.asDiagonal() * normal_.W * jumpChange_;
   b_ += D.cwiseProduct(normal_.rest - missing_ - normal_.W * jumpMissing_);
 }
 
@@ -100,7 +104,7 @@ void PairCones::linearizeBall(const Eigen::Vector3d& lambda, const Eigen::Vector
 // l . y, where a small coefficient would magnify it.
 void PairCones::setStep(const Eigen::Vector3d& dSigma) {
   Eigen::Vector3d dy = D_.cwiseProduct(dSigma) + jumpMissing_;
-  normal_.dy = hasBall_ ? Eigen::Vector3d(dy[0], 0, 0) : dy;
+  normal_.dy = hasBall_ ? Eigen::Vector3d(dy[0], 0, 0) : Eigen::Vector3d(jumpChange_ * dSigma + jumpMissing_);
   normal_.dl = normal_.rest - normal_.W * normal_.dy;
   if (!hasBall_) return;
   dy[0] = (ball_.rest[0] - ball_.W.block<1, 2>(0, 1).dot(dy.tail<2>().transpose())) / ball_.W(0, 0);
@@ -129,9 +133,12 @@ Eigen::Vector2d meanSizes(const DualVectors& vectors, const Eigen::VectorXd& lam
 
 class ConePath {
  public:
-  ConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s)
-      : M_(M), lambda_(lambda), s_(s) {
-    const Eigen::Vector2d sizes = meanSizes(M.vectors(), lambda, s);
+  struct Point {
+    Eigen::VectorXd lambda, s;
+  };
+  ConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, Point start, SlipTerm slip, double tolerance)
+      : M_(M), lambda_(std::move(start.lambda)), s_(std::move(start.s)), slip_(slip), tolerance_(tolerance) {
+    const Eigen::Vector2d sizes = meanSizes(M.vectors(), lambda_, s_);
     for (const PairLaw& pair : pairs) cones_.emplace_back(pair, sizes[0] > 0 ? sizes[0] : 1.0, sizes[1] > 0 ? sizes[1] : 1.0);
   }
 
@@ -150,11 +157,12 @@ class ConePath {
     Eigen::VectorXd b(sigma.size());
     for (std::size_t i = 0; i < cones_.size(); ++i) {
       const Eigen::Index at = 3 * Eigen::Index(i);
-      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim);
+      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim, slip_);
       K.push_back(cones_[i].K());
       b.segment<3>(at) = cones_[i].b();
     }
-    const Eigen::VectorXd d = M_.solveSymmetric(K, b);
+    const ContactMatrix::Blocks one(K.size(), Eigen::Matrix3d::Identity());
+    const Eigen::VectorXd d = slip_ == SlipTerm::Value ? M_.solveSymmetric(K, b) : M_.solve(one, K, b, tolerance_);
     double mine = 1, t = 1;
     for (std::size_t i = 0; i < cones_.size(); ++i) {
       cones_[i].setStep(d.segment<3>(3 * Eigen::Index(i)));
@@ -171,17 +179,20 @@ class ConePath {
  private:
   const ContactMatrix& M_;
   Eigen::VectorXd lambda_, s_;  // of the day
+  SlipTerm slip_;
+  double tolerance_;  // of linear solves
   std::vector<PairCones> cones_;
 };
 
 }  // namespace
 
-// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.
+// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.  How far bodies were moved, which
+// M does not feel, is left behind: it would be no measure of jumps.
 Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
                                const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
-                               double target, const SubspaceNewtonOptions::Condensed& options) {
-  ConePath path(pairs, M, lambda, s);
-  Eigen::VectorXd sigma = Eigen::VectorXd::Zero(s.size()), best = sigma;
+                               double target, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options) {
+  Eigen::VectorXd sigma = M.kernelPart(s), best = sigma;
+  ConePath path(pairs, M, {lambda, s - sigma}, slip, options.pathLinearTolerance);
   double least = residual(sigma), part = options.pathFar;
   for (int step = 0; step < options.pathSteps && least > target; ++step) {
     const double t = path.step(sigma, part);

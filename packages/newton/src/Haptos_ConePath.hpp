@@ -23,6 +23,9 @@ struct ConePoint {
   void advance(double t) { l += t * dl, y += t * dy; }
 };
 
+/// \brief What a step knows of |F s_T| in y_0: its value, which leaves K symmetric, or its derivative, too.
+enum class SlipTerm { Value, Derivative };
+
 /// \brief The law of one pair as cones: Coulomb's is  (lambda_N, F^-1 lambda_T) . (|F s_T| - s_N, - F s_T) = 0, both in the cone
 /// [de-saxce-feng-1998]; Tresca's one for the normal and one for the tangential force, whose bound is given.
 ///
@@ -36,7 +39,7 @@ class PairCones {
   int count() const { return int(hasNormal_) + int(hasBall_); }
 
   /// \brief The pair's part of Newton's equation (M + K) d sigma = b at these forces and jumps, for the given l . y.
-  void linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target);
+  void linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target, SlipTerm slip);
   const Eigen::Matrix3d& K() const { return K_; }
   const Eigen::Vector3d& b() const { return b_; }
 
@@ -50,6 +53,7 @@ class PairCones {
 
   bool hasNormal_, hasBall_;
   Eigen::Vector3d D_, inverseD_;  // (1, F1, F2), 0 where a component is no part of a cone
+  Eigen::Matrix3d jumpChange_;    // dy of the normal cone by d sigma
   Eigen::Vector3d missing_;       // D^-1 lambda - l
   Eigen::Vector3d jumpMissing_;   // what the jumps ask of y, less y
   ConePoint normal_, ball_;
@@ -63,6 +67,6 @@ class PairCones {
 /// \param residual of the law at a sigma; ends at `target`, or where it is not lowered any more.  Collective.
 Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
                                const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
-                               double target, const SubspaceNewtonOptions::Condensed& options);
+                               double target, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options);
 
 }  // namespace Haptos

@@ -3,6 +3,7 @@
 
 #include <Eigen/Jacobi>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include "Haptos_ColumnBlocks.hpp"
@@ -11,13 +12,22 @@ namespace Haptos {
 
 // The next r^T z follows from sums that are taken with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z
 // - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction a step.  It decides how far to go, and is summed anew by the next
-// step.
+// step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so that H^T r stays 0; W^T z follows as r^T z does.
 Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), r = b, z = preconditioner(r), p = z;
+  const auto& [H, W] = known;
+  const auto summed = [&](Eigen::VectorXd values) {
+    if (values.size() > 0) vectors.sum(values);
+    return values;
+  };
+  const Eigen::VectorXd a = summed(H.transpose() * b);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), r = b;
+  if (a.size() > 0) x = H * a, r -= W * a;
+  Eigen::VectorXd z = preconditioner(r), g = summed(W.transpose() * z), p = z, sums(4 + a.size());
+  if (a.size() > 0) p -= H * g;
   double target = -1;
   for (int step = 0; step < steps; ++step) {
     const Eigen::VectorXd Ap = matrix(p), DAp = preconditioner(Ap);
-    Eigen::Vector4d sums(r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp));
+    sums << r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp), W.transpose() * DAp;
     vectors.sum(sums);
     const double rz = sums[0];
     if (rz == 0) break;
@@ -28,49 +38,67 @@ Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Ei
     r -= alpha * Ap;
     z = preconditioner(r);
     p = z + (next / rz) * p;
+    if (a.size() == 0) continue;
+    g -= alpha * sums.tail(a.size());
+    p -= H * g;
   }
   return x;
 }
 
 namespace {
 
-// Orthonormal vectors V with A D^-1 V_k = V_k+1 h, h [k + 1 x k] made triangular by rotations as it grows.
+// Orthonormal vectors (W, V) with A D^-1 V_k = W c + V_k+1 h, h [k + 1 x k] made triangular by rotations as it grows.
 class Arnoldi {
  public:
-  Arnoldi(const DualVectors& vectors, const Eigen::VectorXd& b, int steps)
-      : vectors_(vectors), V_(b.size()), R_(Eigen::MatrixXd::Zero(steps, steps)), rhs_(Eigen::VectorXd::Zero(steps + 1)) {
+  Arnoldi(const DualVectors& vectors, const Eigen::MatrixXd& W, Eigen::VectorXd b, int steps)
+      : vectors_(vectors),
+        numKnown_(W.cols()),
+        V_(b.size()),
+        R_(Eigen::MatrixXd::Zero(steps, steps)),
+        c_(numKnown_, steps),
+        rhs_(Eigen::VectorXd::Zero(steps + 1)),
+        known_(numKnown_) {
+    for (Eigen::Index j = 0; j < numKnown_; ++j) V_.append(W.col(j));
+    if (numKnown_ > 0) {
+      known_ = W.transpose() * b;
+      vectors.sum(known_);
+      b -= W * known_;
+    }
     rhs_[0] = vectors.norm(b);
     if (rhs_[0] > 0) V_.append(b / rhs_[0]);
   }
 
   double residual() const { return std::abs(rhs_[size_]); }
-  Eigen::VectorXd last() const { return V_.column(size_); }
-  bool isExhausted() const { return V_.cols() == size_; }
+  Eigen::VectorXd last() const { return V_.column(numKnown_ + size_); }
+  bool isExhausted() const { return V_.cols() == numKnown_ + size_; }
 
   void add(Eigen::VectorXd w) {
-    Eigen::VectorXd h = Eigen::VectorXd::Zero(size_ + 1), sums(size_ + 2);
+    const Eigen::Index n = V_.cols();
+    Eigen::VectorXd h = Eigen::VectorXd::Zero(n), sums(n + 1);
     double left2 = 0, whole2 = 0;
     for (int pass = 0; pass < 2; ++pass) {  // classical Gram-Schmidt, twice
       sums << V_.transposedTimes(w), w.squaredNorm();
       vectors_.sum(sums);
-      V_.addProduct(-sums.head(size_ + 1), w);
-      h += sums.head(size_ + 1);
-      left2 = std::max(0.0, sums[size_ + 1] - sums.head(size_ + 1).squaredNorm());
-      if (pass == 0) whole2 = sums[size_ + 1];
+      V_.addProduct(-sums.head(n), w);
+      h += sums.head(n);
+      left2 = std::max(0.0, sums[n] - sums.head(n).squaredNorm());
+      if (pass == 0) whole2 = sums[n];
     }
     constexpr double kDependent = 1e-28;  // of the square: round-off
     const double left = left2 > kDependent * whole2 ? std::sqrt(left2) : 0.0;
     if (left > 0) V_.append(w / left);
+    c_.col(size_) = h.head(numKnown_);
+    h = h.tail(n - numKnown_).eval();
     rotate(h, left);
   }
 
-  Eigen::VectorXd solution() const {
+  // x = D^-1 V y + H a with R y = rhs, a = W^T b - c y; given are D V y and a.
+  std::pair<Eigen::VectorXd, Eigen::VectorXd> solution(Eigen::Index rows) const {
     const Eigen::Index k = size_;
-    const Eigen::VectorXd y = R_.topLeftCorner(k, k).triangularView<Eigen::Upper>().solve(rhs_.head(k));
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(V_.column(0).size()), padded = Eigen::VectorXd::Zero(V_.cols());
-    padded.head(k) = y;
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(rows), padded = Eigen::VectorXd::Zero(V_.cols());
+    padded.segment(numKnown_, k) = R_.topLeftCorner(k, k).triangularView<Eigen::Upper>().solve(rhs_.head(k));
     V_.addProduct(padded, x);
-    return x;
+    return {x, known_ - c_.leftCols(k) * padded.segment(numKnown_, k)};
   }
 
  private:
@@ -87,9 +115,10 @@ class Arnoldi {
   }
 
   const DualVectors& vectors_;
-  ColumnBlocks V_;
-  Eigen::MatrixXd R_;
-  Eigen::VectorXd rhs_;
+  Eigen::Index numKnown_;  // columns of W
+  ColumnBlocks V_;         // W first
+  Eigen::MatrixXd R_, c_;
+  Eigen::VectorXd rhs_, known_;
   std::vector<Eigen::JacobiRotation<double>> rotations_;
   Eigen::Index size_ = 0;
 };
@@ -97,12 +126,14 @@ class Arnoldi {
 }  // namespace
 
 Eigen::VectorXd ContactEquations::solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const {
-  Arnoldi basis(vectors, b, steps);
+  Arnoldi basis(vectors, known.images, b, steps);
   const double target = tolerance * basis.residual();
-  if (target == 0) return Eigen::VectorXd::Zero(b.size());
   for (int step = 0; step < steps && basis.residual() > target && !basis.isExhausted(); ++step)
     basis.add(matrix(preconditioner(basis.last())));
-  return preconditioner(basis.solution());
+  const auto [v, a] = basis.solution(b.size());
+  Eigen::VectorXd x = preconditioner(v);
+  if (a.size() > 0) x += known.motions * a;
+  return x;
 }
 
 }  // namespace Haptos

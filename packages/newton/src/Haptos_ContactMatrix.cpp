@@ -8,15 +8,44 @@
 
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_StackedQr.hpp"
 
 namespace Haptos {
 namespace {
 
-// y_i := A_i x_i
-Eigen::VectorXd multiplyBlocks(const ContactMatrix::Blocks& A, const Eigen::VectorXd& x) {
-  Eigen::VectorXd y(x.size());
-  for (std::size_t i = 0; i < A.size(); ++i) y.segment<3>(3 * Eigen::Index(i)) = A[i] * x.segment<3>(3 * Eigen::Index(i));
-  return y;
+// Y_i := A_i X_i
+template <class Values>
+Values multiplyBlocks(const ContactMatrix::Blocks& A, const Values& X) {
+  Values Y(X.rows(), X.cols());
+  for (std::size_t i = 0; i < A.size(); ++i) Y.template middleRows<3>(3 * Eigen::Index(i)) = A[i] * X.template middleRows<3>(3 * Eigen::Index(i));
+  return Y;
+}
+
+// L^T with K = L L^T by Cholesky, which keeps the digits of small coefficients: it does not mind how rows are scaled.  What is left of
+// a pivot by round-off alone is none.
+Eigen::Matrix3d rootOf(const Eigen::Matrix3d& K) {
+  constexpr double kRoundOff = 1e-15;
+  Eigen::Matrix3d rest = K, root = Eigen::Matrix3d::Zero();
+  for (int k = 0; k < 3; ++k) {
+    if (!(rest(k, k) > kRoundOff * K(k, k))) continue;
+    root.row(k).tail(3 - k) = rest.row(k).tail(3 - k) / std::sqrt(rest(k, k));
+    rest -= root.row(k).transpose() * root.row(k);
+  }
+  return root;
+}
+
+// T such that Y T is orthonormal over all ranks; combinations of columns that leave nothing are left out.  Twice, as the first
+// time loses the digits of what is small.
+Eigen::MatrixXd orthonormalizer(const Communicator& comm, const Eigen::MatrixXd& Y) {
+  constexpr double kNothing = 1e-13;
+  Eigen::MatrixXd T = Eigen::MatrixXd::Identity(Y.cols(), Y.cols());
+  for (int pass = 0; pass < 2 && T.cols() > 0; ++pass) {
+    const RightSvd svd(stackedQr(comm, Y * T));
+    Eigen::Index rank = 0;
+    while (rank < T.cols() && svd.values[rank] > kNothing * svd.values[0]) ++rank;
+    T = (T * svd.V.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal()).eval();
+  }
+  return T;
 }
 
 // (A_i D_i + B_i)^-1; a row without a law and without stiffness stays 0
@@ -40,9 +69,8 @@ Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
 }  // namespace
 
 // Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
-ContactMatrix::ContactMatrix(RCP<const Operator> contactM, const DualVectors& vectors, Eigen::VectorXd diagonal, Kind kind,
-                             const SubspaceNewtonOptions::Condensed& options)
-    : M_(std::move(contactM)), vectors_(vectors), diagonal_(std::move(diagonal)), options_(options) {
+ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
+    : M_(std::move(parts.M)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
   if (kind == Kind::Products) return;
@@ -75,23 +103,44 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   return dense_.middleRows(first_, x.size()) * onAllRanks(x);
 }
 
-Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+// The kernel's images are B kernel; T makes them orthonormal.
+Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
   if (dense_.size() > 0) return solveDirectly(A, B, b);
   const Blocks inverse = invertedBlocks(A, B, diagonal_);
-  return ContactEquations{
+  ContactEquations equations{
       [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
-      [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.linearTolerance, options_.linearSteps}
-      .solveByGmres(vectors_, b);
+      [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, tolerance, options_.linearSteps};
+  if (kernel_.cols() > 0) {
+    const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
+    equations.known = {kernel_ * T, images * T};
+  }
+  return equations.solveByGmres(vectors_, b);
 }
 
+// The kernel's images are K kernel, K = L L^T; T makes L^T kernel orthonormal.
 Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
   const Blocks one(K.size(), Eigen::Matrix3d::Identity());
   if (dense_.size() > 0) return solveDirectly(one, K, b);
   const Blocks inverse = invertedBlocks(one, K, diagonal_);
-  return ContactEquations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
-                                  [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); },
-                                  options_.pathLinearTolerance, options_.linearSteps}
-      .solveByCg(vectors_, b);
+  ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
+                             [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
+                             options_.linearSteps};
+  if (kernel_.cols() > 0) {
+    Blocks roots;
+    for (const auto& Ki : K) roots.push_back(rootOf(Ki));
+    const Eigen::MatrixXd motions = kernel_ * orthonormalizer(vectors_.comm(), multiplyBlocks(roots, kernel_));
+    equations.known = {motions, multiplyBlocks(K, motions)};
+  }
+  return equations.solveByCg(vectors_, b);
+}
+
+Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
+  const Eigen::Index k = kernel_.cols();
+  if (k == 0) return Eigen::VectorXd::Zero(x.size());
+  Eigen::MatrixXd sums(k, k + 1);
+  sums << kernel_.transpose() * kernel_, kernel_.transpose() * x;
+  vectors_.sum(sums);
+  return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
 // The same system on every rank, from the rows of all.

@@ -19,20 +19,28 @@ class ContactMatrix {
   /// methods fail (slender subdomains).  Products: nothing but products with M.
   enum class Kind { Dense, Products };
 
-  /// \param diagonal [3 pairs] about M's, what is 0 counts as 1.  Collective.
-  ContactMatrix(RCP<const Operator> contactM, const DualVectors& vectors, Eigen::VectorXd diagonal, Kind kind,
-                const SubspaceNewtonOptions::Condensed& options);
+  struct Parts {
+    RCP<const Operator> M;     ///< between contact rows
+    Eigen::VectorXd diagonal;  ///< [3 pairs] about M's, what is 0 counts as 1
+    Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
+  };
+  /// Collective.
+  ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
 
   Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;  ///< Collective
 
-  /// \brief (A M + B) d = b.  Collective.
-  Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  /// \brief (A M + B) d = b, to a relative tolerance.  Collective.
+  Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
   /// \brief (M + K) d = b, K symmetric and positive semidefinite.  Collective.
   Eigen::VectorXd solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const;
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one; 0 where
   /// none is felt.  Dense only.
   Eigen::VectorXd normalStiffness() const;
+
+  /// \brief The part of x [3 pairs] that the kernel spans, of least distance.  Collective.
+  Eigen::VectorXd kernelPart(const Eigen::VectorXd& x) const;
+  bool hasKernel() const { return kernel_.cols() > 0; }
 
   const DualVectors& vectors() const { return vectors_; }
 
@@ -43,6 +51,7 @@ class ContactMatrix {
   RCP<const Operator> M_;
   const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;
+  Eigen::MatrixXd kernel_;
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   Eigen::MatrixXd dense_;              // [all contact values]^2, or empty

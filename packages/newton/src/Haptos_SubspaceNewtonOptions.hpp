@@ -47,8 +47,6 @@ struct SubspaceNewtonOptions {
     /// Residual that directions for one linearisation aim at in the true level, of the tolerance: kkt is a maximum norm with scales
     /// of its own.
     double aim = 0.1;
-    /// Jumps of this size, of the start's: a floating body went off, and nothing can be balanced beside it.
-    double runaway = 1e6;
   };
 
   /// \brief One step of the iteration.
@@ -109,6 +107,7 @@ struct SubspaceNewtonOptions {
     /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (5 F became 21 at 1e-2).
     double reductionSlender = 1e-9;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
+    double farthest = 10;          ///< growth of the jumps that ends it where friction holds bodies; 1e3 to 1e6 where it goes wrong
     double leastStep = 1e-3;       ///< of the line search; then the step of the least residual, or the full one
     double armijo = 1e-4;
     double linearTolerance = 1e-3; ///< of a Newton step, 20 to 30 products

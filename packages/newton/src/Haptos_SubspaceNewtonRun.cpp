@@ -4,7 +4,6 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 
-#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FoundationStart.hpp"
 
 namespace Haptos {
@@ -54,7 +53,8 @@ void SubspaceNewtonRun::start() {
 
 // Rigid bodies on springs r at the pairs, H^T P(r H a) = load, give contact forces that carry the loads.  With the deformation s
 // that these cause, x = lambda + r s in P(x + r H a) gives the motions a.  The friction is that of the first level: near its
-// limit rigid bodies run away at the true one.
+// limit rigid bodies run away at the true one.  Where friction hardly resists they slide far, for which balanced directions make up on the
+// way through the levels; condensed ones, which have none, start with the least jumps.
 void SubspaceNewtonRun::startOnFoundation() {
   const std::vector<PairLaw> easier = scaledCoefficients(dual_.pairs, options_.continuation.firstFactor);
   const auto solve = [&](const Eigen::VectorXd& x) { return solveFoundation(easier, x, r_, balance_, options_.foundation); };
@@ -66,7 +66,8 @@ void SubspaceNewtonRun::startOnFoundation() {
   Eigen::VectorXd x = vectors_.contact(state_.s);
   for (Eigen::Index i = 0; i < r_.size(); ++i) x.segment<3>(3 * i) *= r_[i];
   x += vectors_.contact(state_.lambda);
-  state_.s += balance_.jumps() * solve(x).a;
+  if (directions_.isCondensed()) state_.s -= balance_.nearestMotion(state_.s);
+  else state_.s += balance_.jumps() * solve(x).a;
 }
 
 // What is not in balance at the start is shared by all rows: lambda - G^T (G G^T)^-1 (G lambda - e).
@@ -114,15 +115,15 @@ void SubspaceNewtonRun::condense() {
   iteration_.setPenalty(r_);
 }
 
-// Condensed directions are taken from the start where M is known to be poor, else on a plateau: from the state reached, which is
-// worth more than a fresh start, unless that state has run away or leads nowhere.
+// Condensed directions are taken from the start where M is known to be poor or ellipses are long, else on a plateau: from the state
+// reached, which is worth more than a fresh start, unless that state leads nowhere or bodies that contact alone holds may have gone off.
 NewtonStop SubspaceNewtonRun::solveFromStart() {
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
-  if (dual_.needsDeflatedM || (policy.isElongated() && !isFloating())) condense();
+  if (dual_.needsDeflatedM || policy.isElongated()) condense();
   const NewtonStop stop = descend();
   if (stop != NewtonStop::Plateau) return stop;
   condense();
-  if (hasRunAway()) return descend();
+  if (isFloating()) return descend();
   const NewtonStop fromHere = runLevel(dual_.pairs, finalLevel(options_.continuation.patience));
   return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
 }
@@ -164,13 +165,7 @@ NewtonStop SubspaceNewtonRun::descend() {
 // have made is not in lambda: min || s + jumps a - s_before ||.
 void SubspaceNewtonRun::refreshJumps() {
   Eigen::VectorXd s = jumpsOf(state_.lambda);
-  if (isFloating()) {
-    const Eigen::MatrixXd& J = balance_.jumps();
-    Eigen::MatrixXd sums(J.cols(), J.cols() + 1);
-    sums << J.transpose() * J, J.transpose() * (state_.s - s);
-    vectors_.sum(sums);
-    s += J * solveByLdlt(sums.leftCols(J.cols()), sums.rightCols(1));
-  }
+  s += balance_.nearestMotion(state_.s - s);
   state_.s = s;
 }
 

@@ -56,7 +56,6 @@ class SubspaceNewtonRun {
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);
   void condense();
-  bool hasRunAway() const { return vectors_.norm(state_.s) > options_.continuation.runaway * reference_; }
   NewtonStop solveFromStart();
   NewtonStop solveRenewed();
   NewtonStop descend();
