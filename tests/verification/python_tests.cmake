@@ -32,3 +32,5 @@ foreach(kind Small Large Examples)
            SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/benchmarks/benchmarks_test.py --haptos $<TARGET_FILE:haptos_program> ${kind})
 endforeach()
 set_tests_properties(benchmarks_large PROPERTIES LABELS "verification;slow")
+haptos_add_python_test(benchmarks_calculix LABELS "verification;slow" TIMEOUT 600
+         SCRIPT ${CMAKE_CURRENT_SOURCE_DIR}/benchmarks/calculix.py --haptos $<TARGET_FILE:haptos_program>)

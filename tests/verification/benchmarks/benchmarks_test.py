@@ -20,6 +20,7 @@ import cgs4
 import crack
 import hertz
 import partial_slip
+import refinement
 import rings
 import runs
 from haptos_runs import INPUTS, main, run_haptos
@@ -64,6 +65,11 @@ class Small(Benchmark):
         row = crack.measure(self.folder, "HEX8", 8)
         self.assert_small(row["slip"], crack.SMALL, row)
         self.assert_small(row["normal"], 1e-4, row)
+
+    def test_refinement(self):
+        rows = refinement.measure(self.folder, "cantilevers, HEX8 on TET10, friction")
+        self.assert_small([rows[1][key] for key in ("energy error", "force error", "nodal error")], refinement.TOLERANCE, rows)
+        self.assertGreater(rows[-1]["order"], 1.5)
 
 
 class Large(Benchmark):
