@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Mesh of a hub that is shrunk on a hollow shaft: writes shrink_fit.exo beside this script (needs numpy, scipy and netCDF4).
 
-Units: mm.  The axis is z.  Bricks of 20 nodes on circles, unlike numbers of them around and along in the two bodies.  The shaft is
-drawn thicker than the hole of the hub by the interference.
+Units: mm.  The axis is z.  Bricks of 20 nodes on circles, unlike numbers of them around and along in the two bodies.  Both are
+drawn with the same radius; the interference is in shrink_fit.xml.
 """
 import pathlib
 import sys
@@ -15,7 +15,6 @@ sys.path.insert(0, str(HERE.parent / "drivers"))
 from haptos_grids import brick, divided, joined, write_mesh  # noqa: E402
 
 BORE, FIT, OUTSIDE, LENGTH = 30.0, 50.0, 90.0, 40.0
-INTERFERENCE = 0.03
 
 
 def ring(inside, outside, divisions, names):
@@ -27,8 +26,8 @@ def ring(inside, outside, divisions, names):
 
 
 def main():
-    bodies = {"shaft": ring(BORE, FIT + INTERFERENCE, (2, 84, 3), ("bore", "seat", "ends")),
-              "hub": ring(FIT, OUTSIDE, (3, 60, 2), ("hole", "rim", "ends"))}
+    bodies = {"shaft": ring(BORE, FIT, (2, 56, 3), ("bore", "seat", "ends")),
+              "hub": ring(FIT, OUTSIDE, (3, 40, 2), ("hole", "rim", "ends"))}
     points = {"on_x": lambda x: (np.abs(np.abs(x[:, 0]) - OUTSIDE) < 1e-9) & (np.abs(x[:, 1]) < 1e-9),
               "on_y": lambda x: (np.abs(x[:, 1] - OUTSIDE) < 1e-9) & (np.abs(x[:, 0]) < 1e-9)}
     mesh = write_mesh(HERE / "shrink_fit.exo", bodies, points)
