@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "Haptos_BoxMesh.hpp"
+#include "Haptos_CellMesh.hpp"
 #include "Haptos_ExodusWriter.hpp"
 #include "Haptos_MeshShare.hpp"
 
@@ -60,13 +61,21 @@ Mesh scaled(double factor) {
   return mesh;
 }
 
-/// Every side is listed twice.
-Mesh doubled() {
+/// Every side of a set is listed twice.
+Mesh doubled(const std::string& name) {
   Mesh mesh = stack(2, 2);
-  for (auto& set : mesh.sideSets) {
-    const auto once = set.sides;
-    set.sides.insert(set.sides.end(), once.begin(), once.end());
-  }
+  auto& sides = mesh.sideSets[std::size_t(findSideSet(mesh, name))].sides;
+  const auto once = sides;
+  sides.insert(sides.end(), once.begin(), once.end());
+  return mesh;
+}
+
+/// HEX20; the middle of the first edge of element 1, which no other has, lies at its first corner, or is that node.
+Mesh middleAtCorner(bool isSameNode) {
+  Mesh mesh = withElements(stack(2, 2), Topology::Hex20);
+  auto* nodes = mesh.blocks[0].connectivity.data();
+  if (isSameNode) nodes[8] = nodes[0];
+  else mesh.coordinates[std::size_t(nodes[8])] = mesh.coordinates[std::size_t(nodes[0])];
   return mesh;
 }
 
@@ -111,7 +120,10 @@ int main(int argc, char* argv[]) {
   writeMesh(folder + "/not_a_number.exo", notANumber());
   writeMesh(folder + "/tiny.exo", scaled(1e-60));
   writeMesh(folder + "/huge.exo", scaled(1e60));
-  writeMesh(folder + "/doubled.exo", doubled());
+  writeMesh(folder + "/doubled.exo", doubled("upper_top"));
+  writeMesh(folder + "/contact_twice.exo", doubled("upper_bottom"));
+  writeMesh(folder + "/middle_at_corner.exo", middleAtCorner(false));
+  writeMesh(folder + "/middle_is_corner.exo", middleAtCorner(true));
   writeFields(folder + "/fields.exo");
   return 0;
 }

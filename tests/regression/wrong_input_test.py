@@ -157,6 +157,30 @@ class WrongMesh(WrongInput):
     def test_inverted_element(self):
         self.refuse(stack(Mesh__File="inverted.exo"), "14", "inverted")
 
+    def test_quadratic_element_with_a_middle_at_a_corner(self):
+        self.refuse(stack(Mesh__File="middle_at_corner.exo"), "element 1 (HEX20)", "lower", "its node 9", "middle")
+        self.refuse(stack(Mesh__File="middle_is_corner.exo"), "element 1 (HEX20)", "lower", "its node 9", "middle")
+
+    def test_unknown_type_of_elements(self):
+        path = self.folder / "unknown.exo"
+        path.write_bytes((self.folder / "stack.exo").read_bytes().replace(b"HEX8", b"HEY8"))
+        self.refuse(stack(Mesh__File="unknown.exo"), "unknown.exo", "'lower'", "'HEY8'", "8 nodes", "HEX8", "TETRA10")
+
+    def test_face_given_twice(self):
+        self.refuse(stack(Mesh__File="contact_twice.exo"), "'joint'", "Secondary Side Set", "'upper_bottom'", "side 5 of element 9", "twice")
+
+    def test_nothing_opposite(self):
+        for discretization in ("Automatic", "Node To Node", "Mortar"):
+            scene = stack(Mesh__File="apart.exo")
+            scene["Contact"]["joint"]["Discretization"] = discretization
+            self.refuse(scene, "'joint'", "'lower_top'", "lies opposite", "'upper_bottom'")
+
+    def test_surfaces_that_face_away(self):
+        for discretization in ("Automatic", "Mortar"):
+            scene = stack()
+            scene["Contact"]["joint"].update({"Secondary Side Set": "upper_top", "Primary Side Set": "lower_bottom", "Discretization": discretization})
+            self.refuse(scene, "'joint'", "'upper_top'", "'lower_bottom'", "look away")
+
     def test_missing_side_set(self):
         existing = ["lower_top", "upper_bottom", "upper_top"]
         scene = stack()

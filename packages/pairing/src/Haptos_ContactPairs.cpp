@@ -81,16 +81,10 @@ void checkSharedNodes(const Mesh& mesh, const ContactSpec& spec, const ContactSu
                                   "nodes of their own there, or the faces must leave the side sets.");
 }
 
-// Said in the summary: nothing in reach is more often a mistake than a model.
+// Said in the summary.
 std::string unpairedNote(const ContactSurface& secondary, const ContactSurface& primary, std::size_t count) {
-  std::ostringstream text;
-  if (count == secondary.numNodes())
-    text << "no contact (no pair within reach): no face of '" << primary.name << "' lies opposite a node of '"
-         << secondary.name << "'";
-  else
-    text << count << " of " << secondary.numNodes() << " nodes of '" << secondary.name
-         << "' have no pair: no face of '" << primary.name << "' lies opposite them";
-  return text.str();
+  return std::to_string(count) + " of " + std::to_string(secondary.numNodes()) + " nodes of '" + secondary.name + "' have no pair: no face of '" +
+         primary.name + "' lies opposite them";
 }
 
 // Deeper than an element: more likely surfaces that face away from each other than an interference fit.
@@ -118,6 +112,19 @@ void finishGaps(const Mesh& mesh, const ContactSpec& spec, const ContactSurface&
     for (auto& pair : interface.pairs) pair.gap = std::max(pair.gap, 0.0);
 }
 
+// Every node deeper inside the other body than its element is large: no fit is so tight.
+void requireFacing(const SurfaceCouple& couple, const ContactInterface& interface) {
+  const bool isInside = !interface.pairs.empty() && std::all_of(interface.pairs.begin(), interface.pairs.end(),
+                                                               [](const ContactPair& pair) { return pair.gap < -2 * pair.size; });
+  HAPTOS_REFUSE_IF(isInside, "Contact '" << interface.name << "': all of side set '" << couple.secondary.name << "' lies behind '" << couple.primary.name
+                                         << "', deeper than two elements; the surfaces look away from each other. Is one of them the wrong side set?");
+}
+
+void requireOpposite(const SurfaceCouple& couple, bool isAnyOpposite) {
+  HAPTOS_REFUSE_IF(!isAnyOpposite, "Contact '" << couple.interface << "': no face of side set '" << couple.primary.name << "' lies opposite one of '"
+                                               << couple.secondary.name << "' and looks at it; name surfaces that face each other.");
+}
+
 // One pair a secondary node that has a partner; nodes without one take no part, which is noted.
 void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, ContactInterface& interface) {
   const ContactSurface &secondary = couple.secondary, &primary = couple.primary;
@@ -139,6 +146,8 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
                                secondary.areas[i]});
     interface.pairs.back().size = secondary.sizes[i];
   }
+  requireOpposite(couple, interface.unpairedNodes < secondary.numNodes());
+  if (!spec.tied) requireFacing(couple, interface);
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(secondary, primary, interface.unpairedNodes));
   if (onBothSides > 0)
@@ -264,23 +273,11 @@ std::optional<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& s
   return {};
 }
 
-// Every node deeper inside the other body than its element is large: no fit is so tight.
-void requireFacing(const MortarDraft& draft, const ContactInterface& interface) {
-  const ContactSurface& s = draft.secondary;
-  const bool isInside = !interface.pairs.empty() && std::all_of(interface.pairs.begin(), interface.pairs.end(), [&](const ContactPair& pair) {
-    const auto position = std::lower_bound(s.nodes.begin(), s.nodes.end(), pair.secondaryNode) - s.nodes.begin();
-    return pair.gap < -2 * s.sizes[std::size_t(position)];
-  });
-  HAPTOS_REFUSE_IF(isInside, "Contact '" << interface.name << "': all of side set '" << s.name << "' lies behind '" << draft.primary.name
-                                         << "', deeper than two elements; the surfaces look away from each other. Is one of them the wrong side set?");
-  const bool isAnyCovered = std::any_of(draft.overlap.faces.begin(), draft.overlap.faces.end(), [](const auto& sums) { return sums.area > 0; });
-  HAPTOS_REFUSE_IF(!isAnyCovered, "Contact '" << interface.name << "': no face of side set '" << draft.primary.name << "' lies opposite one of '"
-                                              << s.name << "' and looks at it; name surfaces that face each other.");
-}
-
 void finishMortar(const Mesh& mesh, const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
   addMortarPairs(around, draft, interface);
-  requireFacing(draft, interface);
+  const SurfaceCouple couple{mesh, interface.name, draft.secondary, draft.primary};
+  requireFacing(couple, interface);
+  requireOpposite(couple, std::any_of(draft.overlap.faces.begin(), draft.overlap.faces.end(), [](const auto& sums) { return sums.area > 0; }));
   if (interface.unpairedNodes > 0)
     interface.notes.push_back(unpairedNote(draft.secondary, draft.primary, interface.unpairedNodes));
   finishGaps(mesh, *draft.spec, draft.secondary, interface);

@@ -16,20 +16,20 @@ namespace {
 
 using Corners = std::array<Vec3::Array, 4>;
 
-// A side that is listed twice would count its area twice.
-std::vector<ElementSide> uniqueSides(const SideSet& set) {
-  auto key = [](const ElementSide& s) { return std::tie(s.element, s.side); };
-  auto sides = set.sides;
-  std::sort(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
-  sides.erase(
-      std::unique(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); }),
-      sides.end());
-  return sides;
-}
-
 // As the file counts elements, for messages.
 std::int64_t elementNumber(const Mesh& mesh, std::int64_t element) {
   return mesh.elementNumbers.empty() ? element + 1 : mesh.elementNumbers[std::size_t(element)];
+}
+
+// In the order of elements; one that is listed twice would count its area twice.
+std::vector<ElementSide> sortedSides(const Mesh& mesh, const SideSet& set, const std::string& name) {
+  auto key = [](const ElementSide& s) { return std::tie(s.element, s.side); };
+  auto sides = set.sides;
+  std::sort(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) < key(b); });
+  const auto twice = std::adjacent_find(sides.begin(), sides.end(), [&](const auto& a, const auto& b) { return key(a) == key(b); });
+  HAPTOS_REFUSE_IF(twice != sides.end(), "Side set '" << name << "': side " << twice->side + 1 << " of element " << elementNumber(mesh, twice->element)
+                                                     << " is listed twice; a face of a contact surface is given once.");
+  return sides;
 }
 
 // Faces as mesh nodes; a quadrilateral with two equal corners (a collapsed brick) is a triangle.
@@ -239,7 +239,7 @@ ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) 
                    "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
   ContactSurface surface;
   surface.name = set.name.empty() ? std::to_string(set.id) : set.name;
-  const auto sides = uniqueSides(set);
+  const auto sides = sortedSides(mesh, set, surface.name);
   setTopology(mesh, collectFaces(mesh, surface.name, sides), surface);
   setFacetNormals(mesh, sides, surface);
   accumulateNodalData(surface);

@@ -41,8 +41,8 @@ struct ContactSurface {
   int facetSize(int facet) const { return facets[std::size_t(facet)][3] < 0 ? 3 : 4; }
 };
 
-/// \brief Surface of a side set, given by name or number; a side that the set lists twice counts once.
-/// \throws InputError if there is no such side set (lists those there are), if it is empty, if a face has no
+/// \brief Surface of a side set, given by name or number.
+/// \throws InputError if there is no such side set (lists those there are), if it is empty or lists a side twice, if a face has no
 ///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 

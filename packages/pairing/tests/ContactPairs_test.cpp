@@ -204,15 +204,6 @@ TEUCHOS_UNIT_TEST(ContactPairs, SecondaryLargerThanPrimary) {
   }
 }
 
-TEUCHOS_UNIT_TEST(ContactPairs, NothingWithinReach) {
-  Stack stack;
-  stack.upperMap = shift({5, 0, 0});
-  const ContactInterface interface = pairsOf(makeStack(stack));
-  TEST_EQUALITY(interface.pairs.size(), 0u);
-  TEST_EQUALITY(interface.unpairedNodes, 20u);
-  TEST_ASSERT(interface.notes.size() == 1 && contains(interface.notes[0], "no pair within reach"));
-}
-
 // The primary set also holds the far side of its body and a face around the corner: neither may be taken.
 TEUCHOS_UNIT_TEST(ContactPairs, TakesTheFaceThatLooksBack) {
   Stack stack;

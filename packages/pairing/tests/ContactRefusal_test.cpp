@@ -148,6 +148,14 @@ TEUCHOS_UNIT_TEST(ContactRefusal, SurfacesThatDoNotFaceEachOther) {
   }
 }
 
+TEUCHOS_UNIT_TEST(ContactRefusal, NothingOppositeAndSurfacesThatLookAway) {
+  Stack stack;
+  stack.upperMap = shift({5, 0, 0});
+  TEST_ASSERT(contains(refusal(makeStack(stack), contact()), "lies opposite"));
+  const std::string message = refusal(makeStack({}), contact("upper_top", "lower_bottom"));
+  TEST_ASSERT(contains(message, "'upper_top' lies behind 'lower_bottom'") && contains(message, "look away"));
+}
+
 TEUCHOS_UNIT_TEST(ContactRefusal, SharedNodes) {
   Mesh mesh = makeStack({});
   TEST_ASSERT(contains(refusal(mesh, contact("lower_contact", "lower_contact")), "in contact with itself"));
