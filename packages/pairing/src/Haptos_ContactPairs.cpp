@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <sstream>
@@ -11,6 +12,7 @@
 #include "Haptos_ContactSurface.hpp"
 #include "Haptos_InputCheck.hpp"
 #include "Haptos_MultiplierRules.hpp"
+#include "Haptos_PointwiseGap.hpp"
 #include "Haptos_SurfaceMatching.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -82,13 +84,13 @@ void checkSharedNodes(const Mesh& mesh, const ContactSpec& spec, const ContactSu
 }
 
 // Said in the summary.
-std::string unpairedNote(const ContactSurface& secondary, const ContactSurface& primary, std::size_t count) {
-  return std::to_string(count) + " of " + std::to_string(secondary.numNodes()) + " nodes of '" + secondary.name + "' have no pair: no face of '" +
-         primary.name + "' lies opposite them";
+std::string unpairedNote(const SurfaceCouple& couple, std::size_t count, std::size_t numNodes) {
+  return std::to_string(count) + " of " + std::to_string(numNodes) + " nodes of '" + couple.secondary.name + "' have no pair: no face of '" +
+         couple.primary.name + "' lies opposite them";
 }
 
 // Deeper than an element: more likely surfaces that face away from each other than an interference fit.
-void notePenetration(const Mesh& mesh, const ContactSurface& secondary, const ContactPair& deepest, ContactInterface& interface) {
+void notePenetration(const Mesh& mesh, const ContactPair& deepest, ContactInterface& interface) {
   const double size = deepest.size;
   constexpr double kRoundOff = 1e-10;
   if (!(deepest.gap < -kRoundOff * size)) return;
@@ -97,17 +99,17 @@ void notePenetration(const Mesh& mesh, const ContactSurface& secondary, const Co
   if (!(deepest.gap < -size)) return;
   std::ostringstream text;
   text << "initial penetration of " << -deepest.gap << ", more than the element size " << size << ", at "
-       << describeNode(mesh, deepest.secondaryNode) << " of '" << secondary.name
+       << describeNode(mesh, deepest.secondaryNode) << " of '" << interface.name
        << "': do the surfaces face each other?";
   interface.notes.push_back(text.str());
 }
 
 // What is known of all gaps together.
-void finishGaps(const Mesh& mesh, const ContactSpec& spec, const ContactSurface& secondary, ContactInterface& interface) {
+void finishGaps(const Mesh& mesh, const ContactSpec& spec, ContactInterface& interface) {
   const auto deepest = std::min_element(interface.pairs.begin(), interface.pairs.end(),
                                         [](const auto& a, const auto& b) { return a.gap < b.gap; });
   if (deepest == interface.pairs.end()) return;
-  notePenetration(mesh, secondary, *deepest, interface);
+  notePenetration(mesh, *deepest, interface);
   if (spec.initialPenetration == InitialPenetration::Ignore && !spec.tied)
     for (auto& pair : interface.pairs) pair.gap = std::max(pair.gap, 0.0);
 }
@@ -149,7 +151,7 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
   requireOpposite(couple, interface.unpairedNodes < secondary.numNodes());
   if (!spec.tied) requireFacing(couple, interface);
   if (interface.unpairedNodes > 0)
-    interface.notes.push_back(unpairedNote(secondary, primary, interface.unpairedNodes));
+    interface.notes.push_back(unpairedNote(couple, interface.unpairedNodes, secondary.numNodes()));
   if (onBothSides > 0)
     interface.notes.push_back(std::to_string(onBothSides) + " nodes are in '" + secondary.name + "' and in '" + primary.name +
                               "' and take no part in the contact");
@@ -195,20 +197,30 @@ std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const Co
   return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer of the two" : "";
 }
 
-// What is covered is integrated now; which nodes carry multipliers is decided when all interfaces are known.
-MortarDraft draftMortar(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, ContactSurface secondary,
-                        ContactSurface primary) {
-  const std::string exchange = reasonToExchange(mesh, spec, around, secondary, primary);
-  if (!exchange.empty()) std::swap(secondary, primary);
-  MortarDraft draft{&spec, std::move(secondary), std::move(primary), {}, {}, exchange};
-  draft.bars.assign(draft.secondary.numNodes(), Bar::None);
-  draft.overlap = integrateOverlap(draft.secondary, draft.primary);
-  return draft;
+// Patch by patch, but for ties, which have no normals.  What is covered is integrated now; which nodes carry multipliers is decided
+// when all interfaces are known.
+std::vector<MortarDraft> draftMortar(const Mesh& mesh, const ContactSpec& spec, const std::string& secondarySet, const ContactSurface& primary) {
+  auto patches = spec.tied ? std::vector<ContactSurface>{makeContactSurface(mesh, secondarySet)} : smoothPatches(mesh, secondarySet);
+  std::vector<MortarDraft> drafts;
+  for (auto& patch : patches) {
+    MortarDraft& draft = drafts.emplace_back(MortarDraft{&spec, std::move(patch), primary, {}, {}});
+    draft.bars.assign(draft.secondary.numNodes(), Bar::None);
+    draft.overlap = integrateOverlap(draft.secondary, draft.primary);
+  }
+  return drafts;
+}
+
+std::optional<RoundSurface> roundSurfaceOf(const ContactSpec& spec, const ContactSurface& primary) {
+  try {
+    return roundSurface(primary, spec.smoothing);
+  } catch (const InputError& error) {
+    throw InputError("Contact '" + spec.name + "': " + error.what());
+  }
 }
 
 // Node to node where the meshes match or where it is asked for.
-std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
-                                           ContactSurface secondary, ContactInterface& interface) {
+std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
+                                         ContactSurface secondary, ContactInterface& interface) {
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
   checkSharedNodes(mesh, spec, secondary, primary);
   std::string reason = "Discretization is Mortar";
@@ -217,18 +229,23 @@ std::optional<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& 
     reason = "faces are quadratic";
   } else if (spec.discretization != Discretization::Mortar) try {
       pairNodeToNode(spec, {mesh, spec.name, secondary, primary}, interface);
-      finishGaps(mesh, spec, secondary, interface);
+      finishGaps(mesh, spec, interface);
       return {};
     } catch (const NonMatchingError&) {
       if (spec.discretization == Discretization::NodeToNode) throw;
       reason = "the meshes do not match";
     }
   interface.isMortar = true;
-  MortarDraft draft = draftMortar(mesh, spec, around, std::move(secondary), std::move(primary));
+  const std::string exchange = reasonToExchange(mesh, spec, around, secondary, primary);
+  if (!exchange.empty()) std::swap(secondary, primary);
+  auto drafts = draftMortar(mesh, spec, exchange.empty() ? spec.secondarySideSet : spec.primarySideSet, primary);
   interface.remarks.push_back("'" + spec.name + "' is joined by mortar (" + reason + ")" +
-                              (draft.exchange.empty() ? "" : "; its sides are exchanged: '" + draft.secondary.name + "', " + draft.exchange +
-                                                                 ", carries the multipliers"));
-  return draft;
+                              (exchange.empty() ? "" : "; its sides are exchanged: '" + secondary.name + "', " + exchange +
+                                                           ", carries the multipliers"));
+  if (drafts.size() > 1)
+    interface.remarks.push_back("'" + spec.name + "': '" + secondary.name + "' is cut along its creases into " + std::to_string(drafts.size()) + " surfaces");
+  if (const auto round = roundSurfaceOf(spec, primary)) interface.remarks.push_back(describe(*round, primary.name, spec.name));
+  return drafts;
 }
 
 // Every secondary node is paired with the plane, whatever its distance: the gap is - (x - point) . n.
@@ -261,37 +278,64 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
 }
 
 // Of one interface, but for the pairs of mortar.
-std::optional<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
-                                          ContactInterface& interface) {
+std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
+                                        ContactInterface& interface) {
   checkSpec(spec);
   ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   interface.name = spec.name;
   interface.tied = spec.tied;
   if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, std::move(secondary), interface);
   pairWithPlane(spec, secondary, interface);
-  finishGaps(mesh, spec, secondary, interface);
+  finishGaps(mesh, spec, interface);
   return {};
 }
 
-void finishMortar(const Mesh& mesh, const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
-  addMortarPairs(around, draft, interface);
-  const SurfaceCouple couple{mesh, interface.name, draft.secondary, draft.primary};
+// Nodes that no primary face lies opposite and that have no pair, in any patch.
+std::size_t countUnpaired(const std::vector<const MortarDraft*>& drafts, const ContactInterface& interface, std::size_t& numNodes) {
+  std::map<std::int64_t, bool> isOpposite;
+  for (const MortarDraft* draft : drafts)
+    for (std::size_t i = 0; i < draft->secondary.numNodes(); ++i) {
+      bool& flag = isOpposite[draft->secondary.nodes[i]];
+      flag = flag || draft->overlap.isCovered[i];
+    }
+  for (const auto& pair : interface.pairs) isOpposite[pair.secondaryNode] = true;
+  numNodes = isOpposite.size();
+  return std::size_t(std::count_if(isOpposite.begin(), isOpposite.end(), [](const auto& item) { return !item.second; }));
+}
+
+// \param drafts of the interface
+void finishMortar(const Mesh& mesh, const ContactSurroundings& around, const std::vector<const MortarDraft*>& drafts, ContactInterface& interface) {
+  bool isAnyCovered = false;
+  for (const MortarDraft* draft : drafts) {
+    addMortarPairs(around, *draft, interface);
+    for (const auto& sums : draft->overlap.faces) isAnyCovered = isAnyCovered || sums.area > 0;
+  }
+  std::stable_sort(interface.pairs.begin(), interface.pairs.end(), [](const auto& a, const auto& b) { return a.secondaryNode < b.secondaryNode; });
+  const MortarDraft& first = *drafts.front();
+  const SurfaceCouple couple{mesh, interface.name, first.secondary, first.primary};
   requireFacing(couple, interface);
-  requireOpposite(couple, std::any_of(draft.overlap.faces.begin(), draft.overlap.faces.end(), [](const auto& sums) { return sums.area > 0; }));
-  if (interface.unpairedNodes > 0)
-    interface.notes.push_back(unpairedNote(draft.secondary, draft.primary, interface.unpairedNodes));
-  finishGaps(mesh, *draft.spec, draft.secondary, interface);
+  requireOpposite(couple, isAnyCovered);
+  std::size_t numNodes = 0;
+  interface.unpairedNodes = countUnpaired(drafts, interface, numNodes);
+  if (interface.unpairedNodes > 0) interface.notes.push_back(unpairedNote(couple, interface.unpairedNodes, numNodes));
+  finishGaps(mesh, *first.spec, interface);
 }
 
 }  // namespace
 
 std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs, const ContactSurroundings& around) {
   std::vector<ContactInterface> interfaces(specs.size());
-  std::vector<std::optional<MortarDraft>> drafts;
-  for (std::size_t k = 0; k < specs.size(); ++k) drafts.push_back(startInterface(mesh, specs[k], around, interfaces[k]));
-  barDependentNodes(around, drafts, interfaces);
+  std::vector<MortarDraft> drafts;
   for (std::size_t k = 0; k < specs.size(); ++k)
-    if (drafts[k]) finishMortar(mesh, around, *drafts[k], interfaces[k]);
+    for (auto& draft : startInterface(mesh, specs[k], around, interfaces[k])) {
+      draft.interface = k;
+      drafts.push_back(std::move(draft));
+    }
+  barDependentNodes(around, drafts, interfaces);
+  std::vector<std::vector<const MortarDraft*>> ofInterface(specs.size());
+  for (const auto& draft : drafts) ofInterface[draft.interface].push_back(&draft);
+  for (std::size_t k = 0; k < specs.size(); ++k)
+    if (!ofInterface[k].empty()) finishMortar(mesh, around, ofInterface[k], interfaces[k]);
   return interfaces;
 }
 

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <sstream>
 #include <tuple>
 
+#include "Haptos_DisjointSets.hpp"
 #include "Haptos_FaceShapes.hpp"
 #include "Haptos_InputCheck.hpp"
 #include "Haptos_Vec3.hpp"
@@ -218,6 +220,64 @@ void setTurns(ContactSurface& surface) {
       }
 }
 
+std::string nameOf(const SideSet& set) { return set.name.empty() ? std::to_string(set.id) : set.name; }
+
+const SideSet& sideSetOf(const Mesh& mesh, const std::string& sideSet) {
+  const int position = findSideSet(mesh, sideSet);
+  HAPTOS_REFUSE_IF(position < 0,
+                   "There is no side set '" << sideSet << "'; the mesh has: " << listSideSets(mesh) << ".");
+  const SideSet& set = mesh.sideSets[std::size_t(position)];
+  HAPTOS_REFUSE_IF(set.sides.empty(),
+                   "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
+  return set;
+}
+
+// Faces, then what their nodes have of them: normals weighted by angles, which do not depend on how a face is cut, areas, sizes.
+ContactSurface surfaceOfSides(const Mesh& mesh, const std::string& name, const std::vector<ElementSide>& sides) {
+  ContactSurface surface;
+  surface.name = name;
+  setTopology(mesh, collectFaces(mesh, name, sides), surface);
+  setFacetNormals(mesh, sides, surface);
+  accumulateNodalData(surface);
+  normalizeNormals(mesh, surface);
+  setTurns(surface);
+  return surface;
+}
+
+// [faces] mean over their facets
+std::vector<Vec3::Array> faceNormals(const ContactSurface& surface) {
+  std::vector<Vec3::Array> normals(surface.faces.size(), Vec3::Array{});
+  for (std::size_t f = 0; f < surface.numFacets(); ++f) {
+    auto& normal = normals[std::size_t(surface.faceOfFacet[f])];
+    normal = Vec3::add(normal, surface.facetNormals[f]);
+  }
+  for (auto& normal : normals) normal = Vec3::normalized(normal);
+  return normals;
+}
+
+// [faces] number of the patch; faces with a common edge belong together unless the surface turns there by more than 40 degrees
+std::vector<int> patchesOfFaces(const ContactSurface& surface, int& count) {
+  std::map<std::pair<int, int>, std::vector<int>> facesAt;  // edges
+  for (int f = 0; f < int(surface.faces.size()); ++f) {
+    const SurfaceFace& face = surface.faces[std::size_t(f)];
+    for (int i = 0; i < numCorners(face.size); ++i)
+      facesAt[std::minmax(face.nodes[std::size_t(i)], face.nodes[std::size_t((i + 1) % numCorners(face.size))])].push_back(f);
+  }
+  const auto normals = faceNormals(surface);
+  DisjointSets smooth(surface.faces.size());
+  std::vector<std::pair<int, int>> creases;
+  for (const auto& [edge, faces] : facesAt)
+    for (std::size_t i = 1; i < faces.size(); ++i) {
+      const bool isSmooth = Vec3::dot(normals[std::size_t(faces[0])], normals[std::size_t(faces[i])]) > creaseCosine;
+      if (isSmooth) smooth.join(faces[0], faces[i]);
+      else creases.emplace_back(faces[0], faces[i]);
+    }
+  const bool isCut = std::any_of(creases.begin(), creases.end(), [&](const auto& c) { return smooth.lowest(c.first) != smooth.lowest(c.second); });
+  if (isCut) return smooth.numbered(count);
+  count = 1;
+  return std::vector<int>(surface.faces.size(), 0);
+}
+
 }  // namespace
 
 std::vector<std::array<int, 4>> facetsOfShape(int numNodes) {
@@ -231,21 +291,21 @@ std::vector<std::array<int, 4>> facetsOfShape(int numNodes) {
 
 // Faces, then what their nodes have of them: normals weighted by angles, which do not depend on how a face is cut, areas, sizes.
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) {
-  const int position = findSideSet(mesh, sideSet);
-  HAPTOS_REFUSE_IF(position < 0,
-                   "There is no side set '" << sideSet << "'; the mesh has: " << listSideSets(mesh) << ".");
-  const SideSet& set = mesh.sideSets[std::size_t(position)];
-  HAPTOS_REFUSE_IF(set.sides.empty(),
-                   "Side set '" << sideSet << "' is empty; a contact surface needs at least one face.");
-  ContactSurface surface;
-  surface.name = set.name.empty() ? std::to_string(set.id) : set.name;
-  const auto sides = sortedSides(mesh, set, surface.name);
-  setTopology(mesh, collectFaces(mesh, surface.name, sides), surface);
-  setFacetNormals(mesh, sides, surface);
-  accumulateNodalData(surface);
-  normalizeNormals(mesh, surface);
-  setTurns(surface);
-  return surface;
+  const SideSet& set = sideSetOf(mesh, sideSet);
+  return surfaceOfSides(mesh, nameOf(set), sortedSides(mesh, set, nameOf(set)));
+}
+
+// A crease that ends within the surface cuts nothing; without one the surface stays whole, in however many parts it lies.
+std::vector<ContactSurface> smoothPatches(const Mesh& mesh, const std::string& sideSet) {
+  const SideSet& set = sideSetOf(mesh, sideSet);
+  const auto sides = sortedSides(mesh, set, nameOf(set));
+  int count = 0;
+  const auto patchOf = patchesOfFaces(surfaceOfSides(mesh, nameOf(set), sides), count);
+  std::vector<std::vector<ElementSide>> parts(static_cast<std::size_t>(count));
+  for (std::size_t f = 0; f < sides.size(); ++f) parts[std::size_t(patchOf[f])].push_back(sides[f]);
+  std::vector<ContactSurface> patches;
+  for (const auto& part : parts) patches.push_back(surfaceOfSides(mesh, nameOf(set), part));
+  return patches;
 }
 
 }  // namespace Haptos

@@ -46,6 +46,11 @@ struct ContactSurface {
 ///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 
+constexpr double creaseCosine = 0.766;  ///< 40 degrees between faces: more is a crease
+
+/// \brief The same surface cut along its creases, so that each patch has nodes and normals of its own there; one patch if there are none.
+std::vector<ContactSurface> smoothPatches(const Mesh& mesh, const std::string& sideSet);
+
 /// \brief Linear facets of a face of so many nodes, by the places of its nodes; -1 last: triangle.
 std::vector<std::array<int, 4>> facetsOfShape(int numNodes);
 

@@ -112,7 +112,7 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
   const ContactSurface& s = draft.secondary;
   const auto multipliers = chooseMultipliers(s, draft.overlap, draft.bars, draft.spec->multiplierSpace == MultiplierSpace::Linear);
   const auto rows = dualMortarRows(s, draft.primary, draft.overlap, multipliers);
-  PointwiseGap gaps(s, draft.primary, draft.spec->smoothing, interface);
+  PointwiseGap gaps(s, draft.primary, draft.spec->smoothing);
   const auto& given = draft.spec->gapAt;
   const bool isOfFacets = !given && draft.spec->smoothing == PrimarySmoothing::None;
   const auto gapAt = [&](int node) { return given ? std::optional(given(s.nodes[std::size_t(node)])) : gaps.at(node); };
@@ -126,7 +126,6 @@ void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft,
     if (!around.isPrescribed.empty()) pair.isPinned = heldRows(around, pair, draft.spec->tied);
     interface.pairs.push_back(std::move(pair));
   }
-  for (std::size_t i = 0; i < s.numNodes(); ++i) interface.unpairedNodes += !draft.overlap.isCovered[i] && !multipliers.isKept[i];
   if (draft.spec->tied) moveTiedNodes(draft, rows, interface);
 }
 

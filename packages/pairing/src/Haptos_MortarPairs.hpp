@@ -11,13 +11,13 @@
 
 namespace Haptos {
 
-/// \brief An interface that is joined by mortar, while it is decided which of its nodes carry multipliers.  Serial.
+/// \brief A patch without creases of an interface that is joined by mortar, while it is decided which of its nodes carry multipliers.  Serial.
 struct MortarDraft {
   const ContactSpec* spec;
   ContactSurface secondary, primary;
   SurfaceOverlap overlap;
   std::vector<Bar> bars;       ///< [secondary nodes]
-  std::string exchange;        ///< what the secondary side is, where it is not the user's; else empty
+  std::size_t interface = 0;   ///< its position
 };
 
 bool hasMiddles(const ContactSurface& surface);  ///< whether it has quadratic faces
@@ -34,7 +34,7 @@ std::optional<double> gapOfRow(const MortarRow& row, const std::function<std::op
 /// \brief Rows opposite a rigid obstacle.
 std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool linearOnly);
 
-/// \brief Adds pairs, notes and moves of nodes to the interface.
+/// \brief Adds the pairs of a patch, notes and moves of nodes to the interface.
 ///
 /// The gap is that of the row's nodes along their normals (`gapOfRow`); the mean of the row where it stands for neighbours too
 /// and facets are not smoothed, or where the normal meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface

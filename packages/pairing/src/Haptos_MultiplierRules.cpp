@@ -5,6 +5,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <tuple>
 
 #include "Haptos_Vec3.hpp"
 
@@ -14,7 +15,7 @@ namespace {
 constexpr double kHeldNormal = 0.05;  // what prescribed components leave of a unit normal
 constexpr double kSameNormal = 0.9;   // cosine: normals that are nearer say the same twice
 
-using Drafts = std::vector<std::optional<MortarDraft>>;
+using Drafts = std::vector<MortarDraft>;
 
 // Bars the nodes that `isHit` names and says so of those that would have carried a multiplier.
 void bar(MortarDraft& draft, Bar how, const std::function<bool(std::size_t)>& isHit, const std::string& why,
@@ -47,6 +48,7 @@ void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, Contact
 // A claim of an interface on a node.
 struct Claim {
   std::size_t interface;
+  int draft;  // -1: node to node or a rigid plane
   bool isMortar, isTied, isFrictionless;
   double area;
   Vec3::Array normal;
@@ -55,56 +57,66 @@ struct Claim {
   bool goesBefore(const Claim& other) const {
     if (isTied != other.isTied) return isTied;
     if (isMortar != other.isMortar) return other.isMortar;
-    return std::abs(area - other.area) > 1e-9 * area ? area > other.area : interface < other.interface;
+    return std::abs(area - other.area) > 1e-9 * area ? area > other.area : std::tie(interface, draft) < std::tie(other.interface, other.draft);
   }
 };
 
 std::map<std::int64_t, std::vector<Claim>> collectClaims(const Drafts& drafts, const std::vector<ContactInterface>& interfaces) {
   std::map<std::int64_t, std::vector<Claim>> claims;
-  for (std::size_t k = 0; k < interfaces.size(); ++k) {
+  for (std::size_t k = 0; k < interfaces.size(); ++k)
     for (const auto& pair : interfaces[k].pairs)
-      claims[pair.secondaryNode].push_back({k, false, interfaces[k].tied, false, pair.area, pair.frame.normal});
-    if (!drafts[k]) continue;
-    const MortarDraft& draft = *drafts[k];
+      claims[pair.secondaryNode].push_back({k, -1, false, interfaces[k].tied, false, pair.area, pair.frame.normal});
+  for (std::size_t k = 0; k < drafts.size(); ++k) {
+    const MortarDraft& draft = drafts[k];
     std::vector<double> areas(draft.secondary.numNodes(), 0.0);
     for (std::size_t f = 0; f < draft.secondary.faces.size(); ++f)
       for (int i = 0; i < draft.secondary.faces[f].size; ++i)
         areas[std::size_t(draft.secondary.faces[f].nodes[std::size_t(i)])] += draft.overlap.faces[f].area;
     for (std::size_t i = 0; i < areas.size(); ++i)
       if (draft.overlap.isCovered[i] && draft.bars[i] == Bar::None)
-        claims[draft.secondary.nodes[i]].push_back({k, true, draft.spec->tied, draft.spec->isFrictionless, areas[i], draft.secondary.normals[i]});
+        claims[draft.secondary.nodes[i]].push_back(
+            {draft.interface, int(k), true, draft.spec->tied, draft.spec->isFrictionless, areas[i], draft.secondary.normals[i]});
   }
   return claims;
 }
 
 void barNodesOfOthers(Drafts& drafts, std::vector<ContactInterface>& interfaces) {
-  std::vector<std::vector<std::int64_t>> lost(drafts.size());
+  struct Lost {
+    std::vector<std::int64_t> toPatch, toOther;  // of the same interface or not
+  };
+  std::vector<Lost> lost(drafts.size());
   for (auto& [node, claims] : collectClaims(drafts, interfaces)) {
     if (claims.size() < 2) continue;
     const Claim first = *std::min_element(claims.begin(), claims.end(), [](const Claim& a, const Claim& b) { return a.goesBefore(b); });
     for (const Claim& claim : claims) {
       // At an edge between two frictionless contacts both normals may hold a node: they are independent.
       const bool isApart = first.isFrictionless && claim.isFrictionless && std::abs(Vec3::dot(first.normal, claim.normal)) < kSameNormal;
-      if (claim.isMortar && claim.interface != first.interface && !isApart) lost[claim.interface].push_back(node);
+      if (!claim.isMortar || claim.draft == first.draft || isApart) continue;
+      Lost& own = lost[std::size_t(claim.draft)];
+      (claim.interface == first.interface ? own.toPatch : own.toOther).push_back(node);
     }
   }
   for (std::size_t k = 0; k < drafts.size(); ++k) {
-    if (lost[k].empty()) continue;
-    const auto isLost = [&](std::size_t i) { return std::binary_search(lost[k].begin(), lost[k].end(), drafts[k]->secondary.nodes[i]); };
-    bar(*drafts[k], Bar::Taken, isLost, "are secondary in another contact too", interfaces[k].remarks, interfaces[k].name);
+    ContactInterface& interface = interfaces[drafts[k].interface];
+    const auto barLost = [&](const std::vector<std::int64_t>& nodes, const std::string& why) {
+      const auto isLost = [&](std::size_t i) { return std::binary_search(nodes.begin(), nodes.end(), drafts[k].secondary.nodes[i]); };
+      if (!nodes.empty()) bar(drafts[k], Bar::Taken, isLost, why, interface.remarks, interface.name);
+    };
+    barLost(lost[k].toOther, "are secondary in another contact too");
+    barLost(lost[k].toPatch, "lie on a crease, of which the other side takes them,");
   }
 }
 
-// [interfaces x interfaces] whether secondary nodes of the first are primary in the second, over any number of steps
+// [drafts x drafts] whether secondary nodes of the first are primary in the second, over any number of steps
 // Warshall: a step from a to b by way of c, for every c.
 std::vector<std::vector<char>> reachable(const Drafts& drafts) {
   const std::size_t n = drafts.size();
   std::vector<std::vector<char>> reach(n, std::vector<char>(n, 0));
   for (std::size_t a = 0; a < n; ++a)
     for (std::size_t b = 0; b < n; ++b)
-      if (drafts[a] && drafts[b])
-        reach[a][b] = std::any_of(drafts[a]->secondary.nodes.begin(), drafts[a]->secondary.nodes.end(),
-                                  [&](std::int64_t node) { return contains(drafts[b]->primary, node); });
+      if (a == b || drafts[a].interface != drafts[b].interface)
+        reach[a][b] = std::any_of(drafts[a].secondary.nodes.begin(), drafts[a].secondary.nodes.end(),
+                                  [&](std::int64_t node) { return contains(drafts[b].primary, node); });
   for (std::size_t c = 0; c < n; ++c)
     for (std::size_t a = 0; a < n; ++a)
       for (std::size_t b = 0; b < n; ++b) reach[a][b] |= reach[a][c] && reach[c][b];
@@ -116,9 +128,11 @@ void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces
   for (std::size_t b = 0; b < drafts.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
       // Each of the two would write the other's nodes as means of its own: rows in a circle may depend on each other.
-      if (!reach[a][b] || !reach[b][a]) continue;
-      const auto isPrimary = [&](std::size_t i) { return contains(drafts[a]->primary, drafts[b]->secondary.nodes[i]); };
-      bar(*drafts[b], Bar::Taken, isPrimary, "are primary in '" + interfaces[a].name + "', whose secondary nodes are primary here,", interfaces[b].notes, interfaces[b].name);
+      if (!reach[a][b] || !reach[b][a] || drafts[a].interface == drafts[b].interface) continue;
+      ContactInterface& own = interfaces[drafts[b].interface];
+      const auto isPrimary = [&](std::size_t i) { return contains(drafts[a].primary, drafts[b].secondary.nodes[i]); };
+      bar(drafts[b], Bar::Taken, isPrimary, "are primary in '" + interfaces[drafts[a].interface].name + "', whose secondary nodes are primary here,", own.notes,
+          own.name);
     }
 }
 
@@ -133,12 +147,11 @@ bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surfa
 }
 
 void barDependentNodes(const ContactSurroundings& around, Drafts& drafts, std::vector<ContactInterface>& interfaces) {
-  for (std::size_t k = 0; k < drafts.size(); ++k) {
-    if (!drafts[k]) continue;
-    MortarDraft& draft = *drafts[k];
+  for (MortarDraft& draft : drafts) {
+    ContactInterface& interface = interfaces[draft.interface];
     const auto isShared = [&](std::size_t i) { return contains(draft.primary, draft.secondary.nodes[i]); };
-    bar(draft, Bar::Taken, isShared, "are on both sides", interfaces[k].remarks, interfaces[k].name);
-    barHeldNodes(around, draft, interfaces[k]);
+    bar(draft, Bar::Taken, isShared, "are on both sides", interface.remarks, interface.name);
+    barHeldNodes(around, draft, interface);
   }
   barNodesOfOthers(drafts, interfaces);
   barNodesInCircles(drafts, interfaces);

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,8 +15,8 @@ bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surfa
 /// sides (crack tips), nodes that another interface holds already (a tie before contact, then the larger covered area; node-to-node
 /// pairs stay as they are), secondary nodes that are primary elsewhere where this goes around in a circle, and nodes that supports hold.
 /// Serial.
-/// \param drafts, interfaces [interfaces] no draft: node to node or a rigid plane
-void barDependentNodes(const ContactSurroundings& around, std::vector<std::optional<MortarDraft>>& drafts,
-                       std::vector<ContactInterface>& interfaces);
+/// Patches of one interface, which meet at creases, are to each other as interfaces are.
+/// \param drafts in the order of interfaces, each with the position of its own
+void barDependentNodes(const ContactSurroundings& around, std::vector<MortarDraft>& drafts, std::vector<ContactInterface>& interfaces);
 
 }  // namespace Haptos

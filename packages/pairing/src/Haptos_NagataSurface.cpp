@@ -10,8 +10,6 @@
 namespace Haptos {
 namespace {
 
-constexpr double kCreaseCosine = 0.766;  // 40 degrees
-
 // (n0 + n1) (q0 + q1) / (2 (1 + a)) + (n0 - n1) (q0 - q1) / (2 (1 - a)), q0 = n0 . d, q1 = - n1 . d, a = n0 . n1: the second part only shifts points
 // along the edge unless it has an inflection, and is dropped where normals are too near to tell, or would fold the edge.
 Vec3::Array bulge(const Vec3::Array& d, const Vec3::Array& n0, const Vec3::Array& n1) {
@@ -63,7 +61,7 @@ class Patches {
   Vec3::Array cornerNormal(int face, int node) const {
     Vec3::Array sum{};
     for (const int other : facesAt_[std::size_t(node)])
-      if (Vec3::dot(normalOf(face), normalOf(other)) > kCreaseCosine) sum = Vec3::add(sum, Vec3::scale(angleAt(other, node), normalOf(other)));
+      if (Vec3::dot(normalOf(face), normalOf(other)) > creaseCosine) sum = Vec3::add(sum, Vec3::scale(angleAt(other, node), normalOf(other)));
     return Vec3::normalized(sum);
   }
 

@@ -4,14 +4,11 @@
 #include <cmath>
 #include <sstream>
 
-#include "Haptos_Error.hpp"
 #include "Haptos_NagataSurface.hpp"
 #include "Haptos_ProjectedFace.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
-namespace {
-
 std::string describe(const RoundSurface& round, const std::string& name, const std::string& interface) {
   std::ostringstream text;
   text << "gaps of '" << interface << "' are measured to the " << (round.axis ? "cylinder" : "sphere") << " of radius " << round.radius << " about ("
@@ -21,18 +18,17 @@ std::string describe(const RoundSurface& round, const std::string& name, const s
   return text.str();
 }
 
-}  // namespace
-
-PointwiseGap::PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing, ContactInterface& interface)
-    : s_(secondary), p_(smoothing == PrimarySmoothing::Nagata ? nagataSurface(primary) : primary), tree_(p_) {
-  try {
-    if (smoothing == PrimarySmoothing::Cylinder) round_ = fitCylinder(primary);
-    if (smoothing == PrimarySmoothing::Sphere) round_ = fitSphere(primary);
-  } catch (const InputError& error) {
-    throw InputError("Contact '" + interface.name + "': " + error.what());
-  }
-  if (round_) interface.remarks.push_back(describe(*round_, primary.name, interface.name));
+std::optional<RoundSurface> roundSurface(const ContactSurface& primary, PrimarySmoothing smoothing) {
+  if (smoothing == PrimarySmoothing::Cylinder) return fitCylinder(primary);
+  if (smoothing == PrimarySmoothing::Sphere) return fitSphere(primary);
+  return {};
 }
+
+PointwiseGap::PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing)
+    : s_(secondary),
+      p_(smoothing == PrimarySmoothing::Nagata ? nagataSurface(primary) : primary),
+      tree_(p_),
+      round_(roundSurface(primary, smoothing)) {}
 
 std::optional<double> PointwiseGap::at(int node) {
   const auto i = std::size_t(node);

@@ -1,10 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "Haptos_ContactChoices.hpp"
-#include "Haptos_ContactPair.hpp"
 #include "Haptos_ContactSurface.hpp"
 #include "Haptos_FacetTree.hpp"
 #include "Haptos_RoundSurface.hpp"
@@ -18,9 +18,8 @@ namespace Haptos {
 class PointwiseGap {
  public:
   /// \param secondary must outlive it
-  /// \param interface gets a remark of what was fitted
   /// \throws InputError where the primary surface is no cylinder or sphere
-  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing, ContactInterface& interface);
+  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing);
 
   std::optional<double> at(int node);  ///< nothing where no face lies opposite
 
@@ -31,5 +30,11 @@ class PointwiseGap {
   std::optional<RoundSurface> round_;
   std::vector<int> found_;
 };
+
+/// \brief The cylinder or sphere that is taken in place of a surface, if one is.  \throws InputError as above
+std::optional<RoundSurface> roundSurface(const ContactSurface& primary, PrimarySmoothing smoothing);
+
+/// \brief "gaps of 'joint' are measured to the cylinder of radius 2 ...": for the report.
+std::string describe(const RoundSurface& round, const std::string& surface, const std::string& interface);
 
 }  // namespace Haptos

@@ -102,6 +102,40 @@ TEUCHOS_UNIT_TEST(MultiplierRules, faces_that_meet_at_an_edge) {
   }
 }
 
+// The same with one side set for both faces, on either side: what two contacts would give, with the normals of the faces along the edge.
+TEUCHOS_UNIT_TEST(MultiplierRules, a_crease_in_a_side_set_parts_it) {
+  Mesh mesh = makeBoxes({box("floor", {0, 0, -1}, {1, 1, 0}, {3, 2, 1}), box("wall", {-1, 0, 0}, {0, 1, 1}, {1, 2, 4}),
+                         box("block", {0, 0, 0}, {1, 1, 1}, {4, 3, 3})});
+  const auto unite = [&](const std::string& name, const std::string& a, const std::string& b) {
+    SideSet set{std::int64_t(mesh.sideSets.size()) + 1, name, mesh.sideSets[std::size_t(findSideSet(mesh, a))].sides};
+    const auto& more = mesh.sideSets[std::size_t(findSideSet(mesh, b))].sides;
+    set.sides.insert(set.sides.end(), more.begin(), more.end());
+    mesh.sideSets.push_back(set);
+  };
+  unite("edge", "block_z0", "block_x0");
+  unite("groove", "floor_z1", "wall_x1");
+  for (const bool isFrictionless : {true, false}) {
+    auto floor = mortar("block_z0", "floor_z1"), wall = mortar("block_x0", "wall_x1"), both = mortar("edge", "groove");
+    floor.isFrictionless = wall.isFrictionless = both.isFrictionless = isFrictionless;
+    const auto apart = buildContact(mesh, {floor, wall}), one = buildContact(mesh, {both});
+    TEST_EQUALITY(one[0].pairs.size(), isFrictionless ? 20u + 16u : 20u + 16u - 4u);
+    TEST_EQUALITY(notes(one[0], "lie on a crease"), !isFrictionless);
+    TEST_ASSERT(notes(one[0], "creases into 2"));
+    TEST_EQUALITY(one[0].unpairedNodes, 0u);
+    for (const auto& pair : one[0].pairs) {
+      const auto& n = pair.frame.normal;
+      const auto& same = apart[n[2] < -0.5 ? 0 : 1].pairs;
+      const auto found = std::find_if(same.begin(), same.end(), [&](const ContactPair& p) { return p.secondaryNode == pair.secondaryNode; });
+      TEST_ASSERT(found != same.end());
+      if (found == same.end()) continue;
+      TEST_COMPARE(Vec3::norm(Vec3::subtract(n, found->frame.normal)), <, 1e-14);
+      TEST_FLOATING_EQUALITY(pair.area, found->area, 1e-13);
+      TEST_EQUALITY(pair.primary.size(), found->primary.size());
+    }
+    TEST_COMPARE(smallestSingularValue(mesh, one), >, 0.3);
+  }
+}
+
 // Three plates in a row need no rule; both surfaces of one interface as secondary ones do.
 TEUCHOS_UNIT_TEST(MultiplierRules, circles_are_cut_and_chains_are_not) {
   const Mesh chain = makeBoxes({box("a", {0, 0, 0}, {1, 1, 1}, {2, 2, 1}), box("b", {0, 0, 1}, {1, 1, 2}, {3, 3, 1}), box("c", {0, 0, 2}, {1, 1, 3}, {4, 4, 1})});
