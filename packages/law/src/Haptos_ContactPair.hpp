@@ -2,6 +2,7 @@
 #pragma once
 #include <array>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <tuple>
@@ -46,11 +47,14 @@ struct NodeMove {
   std::array<double, 3> by;
 };
 
+class UnpairedNodes;  // Haptos_UnpairedNodes.hpp
+
 struct ContactInterface {
   std::string name;
   std::vector<ContactPair> pairs;  ///< ascending secondary node
   bool tied = false;               ///< both sides are bonded: [u] = 0, whatever the gap
   std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
+  std::shared_ptr<UnpairedNodes> unpaired;  ///< those of them that may get a row later; null: none
   bool isMortar = false;
   InitialOverlap overlap;
   std::vector<NodeMove> moves;     ///< of nodes in the mesh that the stiffness is made with

@@ -6,6 +6,7 @@
 #include <map>
 #include <numeric>
 #include <optional>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -14,6 +15,7 @@
 #include "Haptos_MultiplierRules.hpp"
 #include "Haptos_PointwiseGap.hpp"
 #include "Haptos_SurfaceMatching.hpp"
+#include "Haptos_UnpairedNodes.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -85,7 +87,7 @@ void checkSharedNodes(const Mesh& mesh, const ContactSpec& spec, const ContactSu
 
 // Said in the summary.
 std::string unpairedNote(const SurfaceCouple& couple, std::size_t count, std::size_t numNodes) {
-  return std::to_string(count) + " of " + std::to_string(numNodes) + " nodes of '" + couple.secondary.name + "' have no pair: no face of '" +
+  return std::to_string(count) + " of " + std::to_string(numNodes) + " nodes of '" + couple.secondary.name + "' have no pair from the start: no face of '" +
          couple.primary.name + "' lies opposite them";
 }
 
@@ -127,14 +129,28 @@ void requireOpposite(const SurfaceCouple& couple, bool isAnyOpposite) {
                                                << couple.secondary.name << "' and looks at it; name surfaces that face each other.");
 }
 
+// A node that nothing lies opposite; its tangential axes are looked up when it gets a row.
+UnpairedNodes::Node unpairedNode(const ContactSpec& spec, const ContactSurface& s, std::size_t i) {
+  ContactPair pair{s.nodes[i], {{s.nodes[i], 1.0}}, {}, makeFrame(s.normals[i], spec.principalDirection), 0.0, s.areas[i]};
+  pair.size = s.sizes[i];
+  return {std::move(pair), s.coordinates[i], spec.gapAt ? std::optional(spec.gapAt(s.nodes[i])) : std::nullopt};
+}
+
+// They are told, and kept for the check that nothing carries them into the other body; a tie has no such check.
+void keepUnpaired(const ContactSpec& spec, const SurfaceCouple& couple, std::vector<UnpairedNodes::Node> nodes, std::size_t numNodes, ContactInterface& interface) {
+  if (interface.unpairedNodes > 0) interface.notes.push_back(unpairedNote(couple, interface.unpairedNodes, numNodes));
+  if (!spec.tied && !nodes.empty()) interface.unpaired = std::make_shared<UnpairedNodes>(std::move(nodes), couple.primary, spec.initialPenetration);
+}
+
 // One pair a secondary node that has a partner; nodes without one take no part, which is noted.
 void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, ContactInterface& interface) {
   const ContactSurface &secondary = couple.secondary, &primary = couple.primary;
   const SurfaceMatch match = matchSurfaces(couple, spec.matchingTolerance);
   std::size_t onBothSides = 0;
+  std::vector<UnpairedNodes::Node> unpaired;
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
     if (match.partner[i] < 0) {
-      ++interface.unpairedNodes;
+      unpaired.push_back(unpairedNode(spec, secondary, i));
       continue;
     }
     const auto partner = primary.nodes[std::size_t(match.partner[i])];
@@ -148,10 +164,10 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
                                secondary.areas[i]});
     interface.pairs.back().size = secondary.sizes[i];
   }
+  interface.unpairedNodes = unpaired.size();
   requireOpposite(couple, interface.unpairedNodes < secondary.numNodes());
   if (!spec.tied) requireFacing(couple, interface);
-  if (interface.unpairedNodes > 0)
-    interface.notes.push_back(unpairedNote(couple, interface.unpairedNodes, secondary.numNodes()));
+  keepUnpaired(spec, couple, std::move(unpaired), secondary.numNodes(), interface);
   if (onBothSides > 0)
     interface.notes.push_back(std::to_string(onBothSides) + " nodes are in '" + secondary.name + "' and in '" + primary.name +
                               "' and take no part in the contact");
@@ -178,7 +194,7 @@ double meanArea(const ContactSurface& surface) {
 // Whether supports prescribe the motion of all nodes along their normals.
 bool isHeld(const ContactSurface& surface, const ContactSurroundings& around) {
   for (std::size_t i = 0; i < surface.numNodes() && !around.isPrescribed.empty(); ++i)
-    if (!isNormalHeld(around, surface, i)) return false;
+    if (!isNormalHeld(around.isPrescribed[std::size_t(surface.nodes[i])], surface.normals[i])) return false;
   return !around.isPrescribed.empty();
 }
 
@@ -291,7 +307,7 @@ std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spe
 }
 
 // Nodes that no primary face lies opposite and that have no pair, in any patch.
-std::size_t countUnpaired(const std::vector<const MortarDraft*>& drafts, const ContactInterface& interface, std::size_t& numNodes) {
+std::vector<UnpairedNodes::Node> findUnpaired(const std::vector<const MortarDraft*>& drafts, const ContactInterface& interface, std::size_t& numNodes) {
   std::map<std::int64_t, bool> isOpposite;
   for (const MortarDraft* draft : drafts)
     for (std::size_t i = 0; i < draft->secondary.numNodes(); ++i) {
@@ -300,7 +316,11 @@ std::size_t countUnpaired(const std::vector<const MortarDraft*>& drafts, const C
     }
   for (const auto& pair : interface.pairs) isOpposite[pair.secondaryNode] = true;
   numNodes = isOpposite.size();
-  return std::size_t(std::count_if(isOpposite.begin(), isOpposite.end(), [](const auto& item) { return !item.second; }));
+  std::vector<UnpairedNodes::Node> unpaired;
+  for (const MortarDraft* draft : drafts)
+    for (std::size_t i = 0; i < draft->secondary.numNodes(); ++i)
+      if (!isOpposite[draft->secondary.nodes[i]]) unpaired.push_back(unpairedNode(*draft->spec, draft->secondary, i));
+  return unpaired;
 }
 
 // \param drafts of the interface
@@ -316,9 +336,25 @@ void finishMortar(const Mesh& mesh, const ContactSurroundings& around, const std
   requireFacing(couple, interface);
   requireOpposite(couple, isAnyCovered);
   std::size_t numNodes = 0;
-  interface.unpairedNodes = countUnpaired(drafts, interface, numNodes);
-  if (interface.unpairedNodes > 0) interface.notes.push_back(unpairedNote(couple, interface.unpairedNodes, numNodes));
+  auto unpaired = findUnpaired(drafts, interface, numNodes);
+  std::set<std::int64_t> different;  // one on a crease has several normals
+  for (const auto& node : unpaired) different.insert(node.pair.secondaryNode);
+  interface.unpairedNodes = different.size();
+  keepUnpaired(*first.spec, couple, std::move(unpaired), numNodes, interface);
   finishGaps(mesh, *first.spec, interface);
+}
+
+// Those that never get a row: nodes of both sides, nodes that supports hold along n, nodes that another contact holds.
+void dropHeldNodes(const ContactSurroundings& around, std::vector<ContactInterface>& interfaces) {
+  std::set<std::int64_t> taken;
+  for (const auto& interface : interfaces)
+    for (const auto& pair : interface.pairs) taken.insert(pair.secondaryNode);
+  const auto isHeld = [&](const ContactPair& pair) {
+    return taken.count(pair.secondaryNode) > 0 ||
+           (!around.isPrescribed.empty() && isNormalHeld(around.isPrescribed[std::size_t(pair.secondaryNode)], pair.frame.normal));
+  };
+  for (auto& interface : interfaces)
+    if (interface.unpaired) interface.unpaired->drop(isHeld);
 }
 
 }  // namespace
@@ -336,6 +372,7 @@ std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<C
   for (const auto& draft : drafts) ofInterface[draft.interface].push_back(&draft);
   for (std::size_t k = 0; k < specs.size(); ++k)
     if (!ofInterface[k].empty()) finishMortar(mesh, around, ofInterface[k], interfaces[k]);
+  dropHeldNodes(around, interfaces);
   return interfaces;
 }
 

@@ -40,7 +40,7 @@ void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, Contact
   if (around.isPrescribed.empty()) return;
   const auto isHeld = [&](std::size_t i) {
     const auto& held = around.isPrescribed[std::size_t(draft.secondary.nodes[i])];
-    return draft.spec->tied ? held[0] && held[1] && held[2] : isNormalHeld(around, draft.secondary, i);
+    return draft.spec->tied ? held[0] && held[1] && held[2] : isNormalHeld(held, draft.secondary.normals[i]);
   };
   bar(draft, Bar::Held, isHeld, "are held by prescribed displacements", interface.remarks, interface.name);
 }
@@ -138,9 +138,8 @@ void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces
 
 }  // namespace
 
-bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surface, std::size_t node) {
-  const auto& held = around.isPrescribed[std::size_t(surface.nodes[node])];
-  Vec3::Array left = surface.normals[node];
+bool isNormalHeld(const std::array<char, 3>& held, const Vec3::Array& normal) {
+  Vec3::Array left = normal;
   for (std::size_t d = 0; d < 3; ++d)
     if (held[d]) left[d] = 0;
   return Vec3::norm(left) < kHeldNormal;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <string>
 #include <vector>
 
@@ -8,8 +9,8 @@
 namespace Haptos {
 
 /// \brief Whether supports prescribe the motion of a node along its normal.
-/// \param around with prescribed displacements; \param node position in the surface
-bool isNormalHeld(const ContactSurroundings& around, const ContactSurface& surface, std::size_t node);
+/// \param held its components
+bool isNormalHeld(const std::array<char, 3>& held, const std::array<double, 3>& normal);
 
 /// \brief Bars nodes of mortar interfaces from carrying multipliers where rows would depend on each other, and notes how many: nodes of both
 /// sides (crack tips), nodes that another interface holds already (a tie before contact, then the larger covered area; node-to-node

@@ -6,8 +6,12 @@
 #include <utility>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_NodalGather.hpp"
 #include "Haptos_Partition.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SubdomainOrder.hpp"
+#include "Haptos_UnpairedNodes.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 namespace {
@@ -65,7 +69,7 @@ RowSources rowSources(const DistributedModel& model, const std::vector<ContactIn
 
 // Pairs are found before the cut, which keeps both sides of a contact together; nobody holds more of the mesh than its share.
 DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
-                                 const SourceMesh* source, RunClock& clock, const std::function<void(PartitionOptions&)>& tuneCut) {
+                                 const SourceMesh* source, RunClock& clock, const LatePairs& late) {
   DistributedModel model;
   model.comm = comm;
   SourceShare share;
@@ -75,12 +79,12 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   }
   const auto scope = clock.time(Phase::Decompose);
   ModelDraft draft = draftModel(*comm, options, share.mesh);
+  draft.late = late;
   OwnElements own = completeElements(*comm, share.mesh);
   model.prescribed = collectDisplacements(*comm, options.conditions, share.mesh, own);
   const auto interfaces = pairSurfaces(*comm, share.mesh, model.prescribed, own, draft);
   PartitionOptions cut;
   runOnAllRanks(*comm, [&] { cut = partitionOptions(options.decomposition, share); });
-  if (tuneCut) tuneCut(cut);
   Partition partition = cutMesh(*comm, own, cut, draft.data);
   const bool comesInOrder = cut.method == PartitionMethod::Bricks;
   const auto numNodes = comesInOrder ? countNodes(*comm, own, partition) : orderSubdomains(*comm, own, interfaces, partition);
@@ -91,7 +95,26 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   for (const auto& sub : model.subdomains) model.work.elementsHeld += std::int64_t(sub.elements.size());
   model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces)));
   checkPinnedRows(*comm, *model.multipliers, model.mesh, model.data);
+  for (const auto& interface : interfaces) model.unpaired.push_back(interface.unpaired);
   return model;
+}
+
+LatePairs findLatePairs(const DistributedModel& model, const NodalGather& gather, const std::vector<double>& displacement, double tolerance, bool& isAny) {
+  isAny = false;
+  LatePairs late(model.unpaired.size());
+  if (model.data.unpairedNodes == 0) return late;
+  for (std::size_t k = 0; k < model.data.interfaceNames.size(); ++k) {
+    const UnpairedNodes* unpaired = model.unpaired.empty() ? nullptr : model.unpaired[k].get();
+    const auto wanted = unpaired ? unpaired->meshNodes() : std::vector<std::int64_t>();
+    const auto u = gather.fetch(displacement, wanted);
+    if (!unpaired) continue;
+    std::vector<Vec3::Array> vectors;
+    for (std::size_t i = 0; i < u.size(); i += 3) vectors.push_back({u[i], u[i + 1], u[i + 2]});
+    late[k] = unpaired->pairsUnder(vectors, tolerance);
+    isAny = isAny || !late[k].empty();
+  }
+  isAny = broadcasted(*model.comm, isAny);
+  return late;
 }
 
 }  // namespace Haptos

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <vector>
 
 #include "Haptos_ModelBuilder.hpp"
@@ -10,6 +11,8 @@
 #include "Haptos_RunClock.hpp"
 
 namespace Haptos {
+
+class NodalGather;
 
 /// \brief Forces on mesh nodes [force] by node index and place; asked for every node that has elements, on all ranks.
 using NodalForces = std::function<std::array<double, 3>(std::int64_t node, const std::array<double, 3>& x)>;
@@ -33,6 +36,7 @@ struct DistributedModel {
   RCP<const MultiplierMap> multipliers;
   std::vector<NodalForces> nodalForces;  ///< beside data.loads
   std::vector<PrescribedDisplacement> prescribed;  ///< at the nodes of this rank's range, sorted
+  std::vector<std::shared_ptr<UnpairedNodes>> unpaired;  ///< rank 0: [interfaces] null where every node has a pair; empty elsewhere
   DealingWork work;
 };
 
@@ -40,9 +44,15 @@ struct DistributedModel {
 ///
 /// No rank ever holds more than its share of the mesh, the pieces that it cuts, and on rank 0 the elements at contact surfaces.
 /// \param source rank 0: a mesh made in memory, used in place of the options' one; may be null
-/// \param tuneCut changes how the mesh is cut, for measurements; may be empty
+/// \param late on rank 0: pairs of nodes that have none by the geometry; may be empty
 /// \throws InputError, InsufficientModel on all ranks
 DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunOptions& options,
-                                 const SourceMesh* source, RunClock& clock, const std::function<void(PartitionOptions&)>& tuneCut = {});
+                                 const SourceMesh* source, RunClock& clock, const LatePairs& late = {});
+
+/// \brief Pairs of nodes that `displacement` carries into the other body, though nothing lay opposite them.  Collective.
+/// \param displacement [3 x nodes of this rank's range]
+/// \param tolerance how deep [length] is not inside yet
+/// \param isAny whether there are any, on all ranks
+LatePairs findLatePairs(const DistributedModel& model, const NodalGather& gather, const std::vector<double>& displacement, double tolerance, bool& isAny);
 
 }  // namespace Haptos

@@ -64,12 +64,15 @@ struct SourceShare {
 /// \param source read on rank 0: a mesh in memory to take in place of the options' one; may be null
 SourceShare makeShare(const Communicator& comm, const RunOptions& options, const SourceMesh* source);
 
+using LatePairs = std::vector<std::vector<ContactPair>>;  ///< [interfaces] of nodes that have none by the geometry, see UnpairedNodes
+
 /// \brief What the options say, looked up in the mesh; replicated.
 struct ModelDraft {
   ModelData data;
   std::vector<int> materialOfBlock;  ///< [blocks]
   std::vector<ContactSpec> contacts;
   std::vector<ContactOptions> contactOptions;  ///< what they come from
+  LatePairs late;  ///< rank 0: to be added; empty: none
   std::int64_t surfaceElements = 0;  ///< that rank 0 got for the pairing; set by `pairSurfaces`
 };
 

@@ -148,7 +148,14 @@ void Simulation::tell(const HistoryEntry& entry) const {
 // In the order of cost, so that a mistake is told early: files, the model with its pairs, then stiffnesses and loads.
 void Simulation::prepare() {
   runOnRoot(*comm_, [&] { requireFilesForResults(options_); });
-  model_ = std::make_unique<DistributedModel>(distributeModel(comm_, options_, source_, clock_));
+  build();
+  for (const auto& note : model_->data.notes)
+    if (progress_) progress_->warn(note);
+}
+
+void Simulation::build() {
+  system_.reset();
+  model_ = std::make_unique<DistributedModel>(distributeModel(comm_, options_, source_, clock_, late_));
   requireFittingMethod(options_, long(model_->multipliers->numPairs()));
   model_->nodalForces = nodalForces_;
   {
@@ -162,8 +169,6 @@ void Simulation::prepare() {
   }
   describeModel();
   tell(modelText(report_.model));
-  for (const auto& note : model_->data.notes)
-    if (progress_) progress_->warn(note);
 }
 
 void Simulation::describeModel() {
@@ -210,9 +215,51 @@ void Simulation::describeLocalSystems() {
     m.notes.push_back(std::to_string(dropped) + " multipliers of pairs depend on others; the preconditioner leaves them out");
 }
 
-SimulationResult Simulation::solve() {
+// History and counts go on where an earlier system lacked pairs.
+StepResult Simulation::solveSteps() {
   StepResult step;
   for (const StepData& data : steps_) step = system_->solver().solve(data);
+  for (auto& entry : step.history) entry.hessianMultiplications += earlier_.hessianMultiplications;
+  step.history.insert(step.history.begin(), earlier_.history.begin(), earlier_.history.end());
+  return step;
+}
+
+void Simulation::count(SolverReport& s) const {
+  const FetiSystem& feti = system();
+  s.hessianMultiplications = earlier_.hessianMultiplications + system_->solver().multiplications();
+  s.preconditionerApplications =
+      earlier_.preconditionerApplications + (feti.preconditioner().is_null() ? 0 : feti.preconditioner()->applications());
+  s.coarseSolves = earlier_.coarseSolves + feti.dual().GGT->placement()->costs().solves;
+  s.localSolves = earlier_.localSolves + sumOfAll(*comm_, feti.systems().localSolves());
+}
+
+// Pairs that the answer of the present system lacks, by the measure of `penetration`; false: none.
+bool Simulation::addLatePairs(const StepResult& step) {
+  if (model_->data.unpairedNodes == 0) return false;
+  const NodalGather& gather = *system().model().gather;
+  bool isAny = false;
+  LatePairs found = findLatePairs(*model_, gather, gather.copies(*step.u).mean, options_.solver.tolerance * step.accuracy.scales.uRef, isAny);
+  late_.resize(found.size());
+  for (std::size_t k = 0; k < found.size(); ++k) late_[k].insert(late_[k].end(), found[k].begin(), found[k].end());
+  return isAny;
+}
+
+SimulationResult Simulation::solve() {
+  constexpr int kMostRounds = 5;
+  StepResult step = solveSteps();
+  for (int round = 0; step.solved && addLatePairs(step); ++round) {
+    if (round == kMostRounds) {
+      step.solved = false;
+      step.reason = "nodes that nothing lay opposite are still carried into the other body after " + std::to_string(kMostRounds) +
+                    " systems with more pairs; the surfaces slide too far for what lies opposite at the start";
+      break;
+    }
+    tell("nodes that nothing lay opposite are carried into the other body; they get pairs, and all is solved again");
+    count(earlier_);
+    earlier_.history = step.history;
+    build();
+    step = solveSteps();
+  }
   describeLocalSystems();
   report_.solver.status = step.solved ? "converged" : "not converged";
   report_.solver.reason = step.reason;
@@ -239,13 +286,10 @@ SimulationResult Simulation::collect(const StepResult& step) {
   SolverReport& s = report_.solver;
   s.method = step.method;
   s.outerIterations = step.outerIterations;
-  s.hessianMultiplications = system_->solver().multiplications();
-  s.preconditionerApplications = feti.preconditioner().is_null() ? 0 : feti.preconditioner()->applications();
-  s.coarseSolves = feti.dual().GGT->placement()->costs().solves;
+  count(s);
   s.history = step.history;
   s.subspace = step.subspace;
   s.deflation = step.deflation;
-  s.localSolves = sumOfAll(*comm_, feti.systems().localSolves());
   report_.coarse = measureCoarse(*feti.dual().GGT->placement(), feti.kernelDimension());
   report_.jump = measureJump(feti.jump(), *comm_);
   report_.local = measureLocal(feti, model_->subdomains, *comm_);

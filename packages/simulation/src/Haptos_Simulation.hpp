@@ -32,12 +32,15 @@ struct SimulationResult {
 ///   auto result = run.solve();
 ///   run.write(result);
 ///
+/// Where displacements carry secondary nodes into the other body that nothing lay opposite at the start, they get pairs and all is solved
+/// again, a few times at most.
+///
 /// All methods are Collective.  The accuracy of the result is measured from u and lambda by the element
 /// matrices; where a method's own test passed and that measure did not, the method goes on with a tighter one.
 class Simulation {
  public:
   /// \param parameters validated, with all defaults (readParameters, validatedParameters)
-  /// \param source rank 0: a mesh in memory to use instead of Mesh->File; may be null
+  /// \param source rank 0: a mesh in memory to use instead of Mesh->File; may be null; must outlive `solve`
   Simulation(RCP<const Communicator> comm, const Teuchos::ParameterList& parameters, Progress* progress = nullptr,
              const SourceMesh* source = nullptr);
   ~Simulation();
@@ -61,6 +64,10 @@ class Simulation {
   const MeshShare& mesh() const;  ///< from `prepare` on
 
  private:
+  void build();
+  StepResult solveSteps();
+  bool addLatePairs(const StepResult& step);
+  void count(SolverReport& s) const;
   void describeModel();
   void warnOfLargeSliding(const std::vector<PairResult>& pairs);
   void describeLocalSystems();
@@ -77,6 +84,8 @@ class Simulation {
   std::unique_ptr<DistributedModel> model_;
   std::unique_ptr<ContactSystem> system_;
   std::vector<StepData> steps_;
+  LatePairs late_;         // rank 0
+  SolverReport earlier_;   // of systems that lacked pairs
   RunReport report_;
 };
 
