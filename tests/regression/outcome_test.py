@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Exit statuses 0, 2 and 3: what is solved, what is not converged, what has no solution."""
 import json
+import re
 
 import haptos_runs
 from haptos_runs import INPUTS, SceneTest, displacement, run_haptos, stack
@@ -17,12 +18,12 @@ def sliding(force):
     return scene
 
 
-def two_beams(test, ranks, status=0, **values):
-    """Summary of inputs/two_beams.xml with other values, by path: `__` for `->`, `_` for a blank."""
+def two_beams(test, ranks, status=0, example="two_beams", **values):
+    """Summary of an example with other values, by path: `__` for `->`, `_` for a blank."""
     path = test.folder / "summary.json"
     sets = [word for name, value in values.items()
             for word in ("--set", "%s=%s" % (name.replace("__", "->").replace("_", " "), value))]
-    done = run_haptos([INPUTS / "two_beams.xml", *sets, "--output", test.folder / "result.exo", "--summary", path], ranks, test.folder)
+    done = run_haptos([INPUTS / f"{example}.xml", *sets, "--output", test.folder / "result.exo", "--summary", path], ranks, test.folder)
     test.assertEqual(done.status, status, done)
     return json.loads(path.read_text())
 
@@ -160,6 +161,20 @@ class Solved(SceneTest):
                 self.assertEqual(summary["solver"]["method"], "Subspace Newton")
                 self.assertLessEqual(summary["solver"]["hessian_multiplications"], 40)
                 self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
+
+    def test_one_method_hands_over_to_the_next(self):
+        """A lumped preconditioner makes no condensed model, without which 20 pairs are too few for an axis ratio of 1e5: Newton gives
+        up, SMALSE settles the states and hands back.  The summary tells who did how much."""
+        for ranks in RANKS:
+            summary = two_beams(self, ranks, example="table31", Mesh__Two_Beams__Subdomains_Per_Edge=1, Preconditioner__Type="Lumped",
+                                Mesh__Two_Beams__Elements_Per_Subdomain_Edge=5, Contact__interface__Friction__Coefficients="{0.3,3e-6}",
+                                Solver__Maximum_Recycled_Pairs=20, Solver__Maximum_Hessian_Multiplications=5000)
+            solver = summary["solver"]
+            work = re.findall(r"([A-Z][\w ]*) \((\d+)\)", solver["method"])
+            self.assertEqual([who for who, _ in work[:3]], ["Subspace Newton", "SMALSE", "Subspace Newton"], solver["method"])
+            self.assertEqual(sum(int(multiplications) for _, multiplications in work), solver["hessian_multiplications"])
+            self.assertTrue(all(int(multiplications) > 10 for _, multiplications in work), solver["method"])
+            self.assertLessEqual(summary["accuracy"]["kkt"], 1e-6)
 
     def test_smalse_as_published(self):
         """Every expansion with and without the early end of inner loops: the same answer, and each is heeded."""

@@ -9,6 +9,7 @@ namespace Haptos {
 AutomaticSolver::AutomaticSolver(SolverContext context, const SolverOptions& options)
     : context_(std::move(context)),
       smalseOptions_(options.smalse),
+      counted_(context_.system.dual().F->applications()),
       newton_(context_, options),
       current_(&newton_) {}
 
@@ -25,15 +26,15 @@ int AutomaticSolver::outerIterations() const {
   return newton_.outerIterations() + (smalse_ ? smalse_->outerIterations() : 0);
 }
 
-// A method's history and multiplications are added to those of all; who goes on after himself is not named twice.
+// A method's history and multiplications, those of its making included, are added to those of all; who goes on after himself is not
+// named twice.
 bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   current_ = &solver;
-  const auto& F = *context_.system.dual().F;
-  const long before = F.applications();
   const std::size_t known = solver.history().size();
   const bool passed = solver.solve(request);
   history_.insert(history_.end(), solver.history().begin() + std::ptrdiff_t(known), solver.history().end());
-  const long spent = F.applications() - before;
+  const long now = context_.system.dual().F->applications(), spent = now - counted_;
+  counted_ = now;
   if (!work_.empty() && work_.back().first == solver.name()) work_.back().second += spent;
   else work_.emplace_back(solver.name(), spent);
   return passed;
@@ -86,6 +87,7 @@ void AutomaticSolver::renew() {
   current_ = &newton_;
   history_.clear();
   work_.clear();
+  counted_ = context_.system.dual().F->applications();
   newton_.renew();
   if (isOthers) newton_.startFrom(last);
 }

@@ -40,6 +40,7 @@ class AutomaticSolver final : public ContactSolver {
 
   SolverContext context_;
   SmalseOptions smalseOptions_;
+  long counted_;  // multiplications by F that work_ and those before it know of
   SubspaceNewtonSolver newton_;
   std::unique_ptr<SmalseContactSolver> smalse_;
   ContactSolver* current_;
