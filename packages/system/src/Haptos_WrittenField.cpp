@@ -74,7 +74,7 @@ RCP<Vector> WrittenField::makeDiagonal() const {
 
 // z_k = (2k - 3)/(2k + 1) z_{k-1} + (8k - 4)/(2k + 1) D^-1 r,  v += z_k,  r -= K z_k.
 void WrittenField::smooth(double enough) {
-  constexpr int kSweeps = 30;
+  constexpr int kSweeps = 100;  // 30 left some contrasts of 1e4 at what they had, and Newton went on for 4 to 6 F more
   const auto diagonal = makeDiagonal();
   Vector z(v_->getMap());
   for (int k = 1; k <= kSweeps && imbalance_ > enough; ++k) {
