@@ -235,15 +235,17 @@ std::optional<RoundSurface> roundSurfaceOf(const ContactSpec& spec, const Contac
 }
 
 // Node to node where the meshes match or where it is asked for.
+// \param mustBeMortar why; empty: by itself it need not
 std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
-                                         ContactSurface secondary, ContactInterface& interface) {
+                                         const std::string& mustBeMortar, ContactInterface& interface) {
+  ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
   checkSharedNodes(mesh, spec, secondary, primary);
-  std::string reason = "Discretization is Mortar";
+  std::string reason = mustBeMortar.empty() ? "Discretization is Mortar" : mustBeMortar;
   if (hasMiddles(secondary) || hasMiddles(primary)) {  // all nodes take the rows of mortar there, the same ones where the meshes match
     if (spec.discretization == Discretization::NodeToNode) matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
     reason = "faces are quadratic";
-  } else if (spec.discretization != Discretization::Mortar) try {
+  } else if (spec.discretization != Discretization::Mortar && mustBeMortar.empty()) try {
       pairNodeToNode(spec, {mesh, spec.name, secondary, primary}, interface);
       finishGaps(mesh, spec, interface);
       return {};
@@ -294,14 +296,14 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
 }
 
 // Of one interface, but for the pairs of mortar.
-std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
+std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const std::string& mustBeMortar,
                                         ContactInterface& interface) {
   checkSpec(spec);
-  ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
+  interface = {};
   interface.name = spec.name;
   interface.tied = spec.tied;
-  if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, std::move(secondary), interface);
-  pairWithPlane(spec, secondary, interface);
+  if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, mustBeMortar, interface);
+  pairWithPlane(spec, surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set"), interface);
   finishGaps(mesh, spec, interface);
   return {};
 }
@@ -361,13 +363,22 @@ void dropHeldNodes(const ContactSurroundings& around, std::vector<ContactInterfa
 
 std::vector<ContactInterface> buildContact(const Mesh& mesh, const std::vector<ContactSpec>& specs, const ContactSurroundings& around) {
   std::vector<ContactInterface> interfaces(specs.size());
+  std::vector<std::vector<MortarDraft>> draftsOf(specs.size());
+  for (std::size_t k = 0; k < specs.size(); ++k) draftsOf[k] = startInterface(mesh, specs[k], around, "", interfaces[k]);
+  const auto closing = nodesThatCloseCircles(specs, interfaces);
+  for (std::size_t k = 0; k < specs.size(); ++k) {
+    const std::string told = "pairs of single nodes close circles with those of other contacts";
+    if (closing[k].empty()) continue;
+    if (specs[k].discretization == Discretization::Automatic) draftsOf[k] = startInterface(mesh, specs[k], around, told, interfaces[k]);
+    else interfaces[k].notes.push_back("'" + specs[k].name + "': " + told + ", so that forces there are not unique; Automatic or Mortar avoids it");
+  }
   std::vector<MortarDraft> drafts;
   for (std::size_t k = 0; k < specs.size(); ++k)
-    for (auto& draft : startInterface(mesh, specs[k], around, interfaces[k])) {
+    for (auto& draft : draftsOf[k]) {
       draft.interface = k;
       drafts.push_back(std::move(draft));
     }
-  barDependentNodes(around, drafts, interfaces);
+  barDependentNodes(around, closing, drafts, interfaces);
   std::vector<std::vector<const MortarDraft*>> ofInterface(specs.size());
   for (const auto& draft : drafts) ofInterface[draft.interface].push_back(&draft);
   for (std::size_t k = 0; k < specs.size(); ++k)

@@ -5,7 +5,9 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <optional>
 #include <tuple>
+#include <unordered_map>
 
 #include "Haptos_Vec3.hpp"
 
@@ -136,6 +138,42 @@ void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces
     }
 }
 
+// Nodes joined by pairs, in all directions or along a normal.
+class Links {
+ public:
+  // \return false: the nodes are joined already by what holds where this one does
+  bool join(const ContactPair& pair, bool isFrictionless) {
+    const auto a = pair.secondaryNode, b = pair.primary[0].node;
+    const Link link{b, isFrictionless ? std::optional(pair.frame.normal) : std::nullopt};
+    const bool isNew = !isReached(a, link);
+    linksOf_[a].push_back(link);
+    linksOf_[b].push_back({a, link.normal});
+    return isNew;
+  }
+
+ private:
+  struct Link {
+    std::int64_t other;
+    std::optional<Vec3::Array> normal;  // none: all directions
+  };
+
+  bool isReached(std::int64_t from, const Link& target) const {
+    std::vector<std::int64_t> reached{from};
+    for (std::size_t i = 0; i < reached.size(); ++i) {
+      const auto found = linksOf_.find(reached[i]);
+      if (found == linksOf_.end()) continue;
+      for (const Link& link : found->second) {
+        if (link.normal && target.normal && std::abs(Vec3::dot(*link.normal, *target.normal)) < kSameNormal) continue;
+        if (link.other == target.other) return true;
+        if (std::find(reached.begin(), reached.end(), link.other) == reached.end()) reached.push_back(link.other);
+      }
+    }
+    return false;
+  }
+
+  std::unordered_map<std::int64_t, std::vector<Link>> linksOf_;
+};
+
 }  // namespace
 
 bool isNormalHeld(const std::array<char, 3>& held, const Vec3::Array& normal) {
@@ -145,9 +183,30 @@ bool isNormalHeld(const std::array<char, 3>& held, const Vec3::Array& normal) {
   return Vec3::norm(left) < kHeldNormal;
 }
 
-void barDependentNodes(const ContactSurroundings& around, Drafts& drafts, std::vector<ContactInterface>& interfaces) {
+std::vector<std::vector<std::int64_t>> nodesThatCloseCircles(const std::vector<ContactSpec>& specs, const std::vector<ContactInterface>& interfaces) {
+  std::vector<std::vector<std::int64_t>> closing(specs.size());
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k < specs.size(); ++k)
+    if (!interfaces[k].isMortar && !specs[k].rigidPlane) order.push_back(k);
+  if (order.size() < 2) return closing;
+  const auto rank = [&](std::size_t k) { return specs[k].tied ? 0 : specs[k].isFrictionless ? 2 : 1; };
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return rank(a) < rank(b); });
+  Links links;
+  for (const std::size_t k : order) {
+    for (const auto& pair : interfaces[k].pairs)
+      if (!links.join(pair, specs[k].isFrictionless)) closing[k].insert(closing[k].end(), {pair.secondaryNode, pair.primary[0].node});
+    std::sort(closing[k].begin(), closing[k].end());
+  }
+  return closing;
+}
+
+void barDependentNodes(const ContactSurroundings& around, const std::vector<std::vector<std::int64_t>>& closing, Drafts& drafts,
+                       std::vector<ContactInterface>& interfaces) {
   for (MortarDraft& draft : drafts) {
     ContactInterface& interface = interfaces[draft.interface];
+    const auto& circles = closing[draft.interface];
+    const auto closes = [&](std::size_t i) { return std::binary_search(circles.begin(), circles.end(), draft.secondary.nodes[i]); };
+    bar(draft, Bar::Taken, closes, "close circles with pairs of other contacts", interface.remarks, interface.name);
     const auto isShared = [&](std::size_t i) { return contains(draft.primary, draft.secondary.nodes[i]); };
     bar(draft, Bar::Taken, isShared, "are on both sides", interface.remarks, interface.name);
     barHeldNodes(around, draft, interface);

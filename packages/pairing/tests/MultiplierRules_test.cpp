@@ -49,20 +49,25 @@ bool notes(const ContactInterface& interface, const std::string& text) {
   return has(interface.notes) || has(interface.remarks);
 }
 
-// Smallest singular value of the normal rows of these interfaces, unit vectors of nodes as unknowns; prescribed ones left out.
-double smallestSingularValue(const Mesh& mesh, const std::vector<ContactInterface>& interfaces, const ContactSurroundings& around = {}) {
+// Smallest singular value of the rows of these interfaces, unit vectors of nodes as unknowns; prescribed ones left out.
+// \param directions [interfaces] 1: normal rows only, else 3; empty: all 1
+double smallestSingularValue(const Mesh& mesh, const std::vector<ContactInterface>& interfaces, const ContactSurroundings& around = {},
+                             const std::vector<int>& directions = {}) {
+  const auto directionsOf = [&](const ContactInterface& interface) { return directions.empty() ? 1 : directions[std::size_t(&interface - interfaces.data())]; };
   std::size_t rows = 0, row = 0;
-  for (const auto& interface : interfaces) rows += interface.pairs.size();
+  for (const auto& interface : interfaces) rows += interface.pairs.size() * std::size_t(directionsOf(interface));
   Eigen::MatrixXd B = Eigen::MatrixXd::Zero(Eigen::Index(rows), 3 * Eigen::Index(mesh.numNodes()));
   for (const auto& interface : interfaces)
-    for (const auto& pair : interface.pairs) {
-      for (const auto* side : {&pair.secondary, &pair.primary})
-        for (const auto& [node, weight] : *side)
-          for (std::size_t d = 0; d < 3; ++d)
-            if (around.isPrescribed.empty() || !around.isPrescribed[std::size_t(node)][d])
-              B(Eigen::Index(row), 3 * node + Eigen::Index(d)) += (side == &pair.secondary ? weight : -weight) * pair.frame.normal[d];
-      ++row;
-    }
+    for (const auto& pair : interface.pairs)
+      for (int k = 0; k < directionsOf(interface); ++k) {
+        const auto& direction = k == 0 ? pair.frame.normal : k == 1 ? pair.frame.t1 : pair.frame.t2;
+        for (const auto* side : {&pair.secondary, &pair.primary})
+          for (const auto& [node, weight] : *side)
+            for (std::size_t d = 0; d < 3; ++d)
+              if (around.isPrescribed.empty() || !around.isPrescribed[std::size_t(node)][d])
+                B(Eigen::Index(row), 3 * node + Eigen::Index(d)) += (side == &pair.secondary ? weight : -weight) * direction[d];
+        ++row;
+      }
   return Eigen::BDCSVD<Eigen::MatrixXd>(B).singularValues().tail(1)[0];
 }
 
@@ -134,6 +139,36 @@ TEUCHOS_UNIT_TEST(MultiplierRules, a_crease_in_a_side_set_parts_it) {
     }
     TEST_COMPARE(smallestSingularValue(mesh, one), >, 0.3);
   }
+}
+
+// Meshes that match: pairs of three bodies that meet along a line go round in a circle there, unless their normals hold different directions.
+TEUCHOS_UNIT_TEST(MultiplierRules, three_bodies_that_meet) {
+  const Mesh mesh = makeBoxes({box("left", {0, 0, -1}, {1, 1, 0}, {2, 2, 2}), box("right", {1, 0, -1}, {2, 1, 0}, {2, 2, 2}),
+                               box("bridge", {0, 0, 0}, {2, 1, 1}, {4, 2, 1})});
+  std::vector<ContactSpec> specs = {mortar("left_x1", "right_x0"), mortar("left_z1", "bridge_z0"), mortar("right_z1", "bridge_z0")};
+  for (auto& spec : specs) spec.discretization = Discretization::Automatic;
+  // without friction: none, the sides, the feet, all
+  for (const auto& [side, feet] : {std::array<bool, 2>{false, false}, {true, false}, {false, true}, {true, true}}) {
+    specs[0].isFrictionless = side;
+    specs[1].isFrictionless = specs[2].isFrictionless = feet;
+    const auto interfaces = buildContact(mesh, specs);
+    const bool isFree = side && feet;
+    std::size_t pairs = 0;
+    for (const auto& interface : interfaces) {
+      pairs += interface.pairs.size();
+      TEST_EQUALITY(interface.isMortar, notes(interface, "close circles with pairs of other contacts"));
+      TEST_EQUALITY(interface.isMortar, notes(interface, "joined by mortar (pairs of single nodes close circles"));
+    }
+    TEST_EQUALITY(pairs, isFree ? 27u : 24u);
+    TEST_COMPARE(smallestSingularValue(mesh, interfaces, {}, {side ? 1 : 3, feet ? 1 : 3, feet ? 1 : 3}), >, 0.1);
+  }
+  for (auto& spec : specs) {
+    spec.discretization = Discretization::NodeToNode;
+    spec.isFrictionless = false;
+  }
+  const auto asked = buildContact(mesh, specs);
+  TEST_ASSERT(notes(asked[2], "forces there are not unique"));
+  TEST_COMPARE(smallestSingularValue(mesh, asked, {}, {3, 3, 3}), <, 1e-12);
 }
 
 // Three plates in a row need no rule; both surfaces of one interface as secondary ones do.
