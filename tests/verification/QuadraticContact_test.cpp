@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "Haptos_CellMesh.hpp"
+#include "Haptos_Error.hpp"
 #include "ScenarioBuilder.hpp"
 
 namespace {
@@ -25,7 +26,7 @@ double noise(const Array3& x, int component) {
   return 2 * (s - std::floor(s)) - 1;
 }
 
-// A cube on z = 0, below or above; nodes within faces and inside are moved by a quarter of the mesh width (tetrahedra a tenth).
+// A cube on z = 0, below or above; nodes within faces and inside are moved by a quarter of the mesh width.
 Mesh cube(const Body& body, bool isUpper) {
   BoxSpec box;
   box.blockName = isUpper ? "upper" : "lower";
@@ -34,12 +35,11 @@ Mesh cube(const Body& body, bool isUpper) {
   box.upper = {1, 1, isUpper ? 1.0 : 0.0};
   box.divisions = body.divisions;
   box.sideSetNames = {"x-", "", "y-", "", isUpper ? "upper_contact" : "bottom", isUpper ? "top" : "lower_contact"};
-  const double part = elementShape(body.topology).numCorners == 4 ? 0.1 : 0.25;
   const auto from = box.lower, to = box.upper;
   box.map = [=](const Array3& x) {
     Array3 y = x;
     for (std::size_t c = 0; c < 3; ++c)
-      if (x[c] > from[c] + 1e-9 && x[c] < to[c] - 1e-9) y[c] += part * (to[c] - from[c]) / body.divisions[c] * noise(x, int(c));
+      if (x[c] > from[c] + 1e-9 && x[c] < to[c] - 1e-9) y[c] += 0.25 * (to[c] - from[c]) / body.divisions[c] * noise(x, int(c));
     return y;
   };
   return withElements(makeBoxes({box}), body.topology);
@@ -76,13 +76,13 @@ ScenarioBuilder scene(const Mesh& mesh, const std::string& discretization, int p
 }
 
 // ANALYTIC: pressure and strain are uniform.  From 25 to 41 multiplications, whatever the elements, and whether they match.
-void checkPatch(const Body& lower, const Body& upper, const std::string& wanted, int pieces, double coefficient, Teuchos::FancyOStream& out, bool& success) {
+void checkPatch(const Body& lower, const Body& upper, const std::string& asked, int pieces, double coefficient, Teuchos::FancyOStream& out, bool& success) {
   const Friction friction{"Coulomb", {coefficient, coefficient}};
   const Mesh mesh = together(cube(lower, false), cube(upper, true));
-  auto patch = scene(mesh, "Automatic", pieces, coefficient > 0 ? &friction : nullptr);
+  auto patch = scene(mesh, asked, pieces, coefficient > 0 ? &friction : nullptr);
   const auto result = patch.pressure({"top"}, kPressure).solve();
   TEST_ASSERT(result.solved);
-  TEST_EQUALITY(result.report.model.discretization, wanted);
+  TEST_EQUALITY(result.report.model.discretization, "Mortar");  // whose rows are those of matching meshes, too
   TEST_EQUALITY(result.report.model.subdomains, pieces);
   TEST_COMPARE(result.report.solver.hessianMultiplications, <=, 45);
   TEST_EQUALITY(result.report.solver.method, "Subspace Newton");
@@ -114,20 +114,29 @@ int ranks() { return Tpetra::getDefaultComm()->getSize(); }
 TEUCHOS_UNIT_TEST(QuadraticContact, MatchingPatch) {
   for (const Topology topology : quadratic) {
     if (ranks() > 1 && topology != Topology::Tet10) continue;
-    for (const double friction : {0.0, 0.4}) checkPatch({topology}, {topology}, "Mortar", friction > 0 ? 4 : 12, friction, out, success);
+    for (const double friction : {0.0, 0.4}) checkPatch({topology}, {topology}, friction > 0 ? "Automatic" : "Node To Node", friction > 0 ? 4 : 12, friction, out, success);
   }
-  checkPatch({Topology::Wedge15}, {Topology::Wedge15, {2, 2, 1}}, "Mortar", 6, 0.3, out, success);
+  checkPatch({Topology::Wedge15}, {Topology::Wedge15, {2, 2, 1}}, "Automatic", 6, 0.3, out, success);
+}
+
+// What is asked for node to node is refused where nodes, or middles, have none opposite.
+TEUCHOS_UNIT_TEST(QuadraticContact, NodeToNodeRefusesOtherMeshes) {
+  for (const auto& [lower, upper] : {std::array<Body, 2>{Body{Topology::Hex20}, Body{Topology::Hex20, {3, 3, 2}}}, {Body{Topology::Hex8}, Body{Topology::Hex20}}}) {
+    const Mesh mesh = together(cube(lower, false), cube(upper, true));
+    TEST_THROW(scene(mesh, "Node To Node", 4).pressure({"top"}, kPressure).prepare(), InputError);
+    TEST_NOTHROW(scene(mesh, "Automatic", 4).pressure({"top"}, kPressure).prepare());
+  }
 }
 
 TEUCHOS_UNIT_TEST(QuadraticContact, NonMatchingPatch) {
-  checkPatch({Topology::Hex20}, {Topology::Tet10, {3, 3, 2}}, "Mortar", 6, 0.3, out, success);
+  checkPatch({Topology::Hex20}, {Topology::Tet10, {3, 3, 2}}, "Automatic", 6, 0.3, out, success);
   if (ranks() > 1) return;
-  checkPatch({Topology::Tet10, {3, 3, 2}}, {Topology::Hex20}, "Mortar", 6, 0.0, out, success);
-  checkPatch({Topology::Hex27, {3, 2, 2}}, {Topology::Hex27}, "Mortar", 6, 0.0, out, success);
-  checkPatch({Topology::Pyramid13}, {Topology::Wedge15, {3, 3, 2}}, "Mortar", 6, 0.0, out, success);
-  checkPatch({Topology::Hex27}, {Topology::Hex20}, "Mortar", 6, 0.0, out, success);  // the same edges, but centres of sides
-  checkPatch({Topology::Hex8, {4, 4, 4}}, {Topology::Hex20}, "Mortar", 6, 0.0, out, success);  // nodes opposite each other but centres
-  checkPatch({Topology::Tet4, {4, 4, 4}}, {Topology::Tet10}, "Mortar", 6, 0.0, out, success);
+  checkPatch({Topology::Tet10, {3, 3, 2}}, {Topology::Hex20}, "Automatic", 6, 0.0, out, success);
+  checkPatch({Topology::Hex27, {3, 2, 2}}, {Topology::Hex27}, "Automatic", 6, 0.0, out, success);
+  checkPatch({Topology::Pyramid13}, {Topology::Wedge15, {3, 3, 2}}, "Automatic", 6, 0.0, out, success);
+  checkPatch({Topology::Hex27}, {Topology::Hex20}, "Automatic", 6, 0.0, out, success);  // the same edges, but centres of sides
+  checkPatch({Topology::Hex8, {4, 4, 4}}, {Topology::Hex20}, "Automatic", 6, 0.0, out, success);  // nodes opposite each other but centres
+  checkPatch({Topology::Tet4, {4, 4, 4}}, {Topology::Tet10}, "Automatic", 6, 0.0, out, success);
 }
 
 // ANALYTIC: a block pressed on a rigid plane.

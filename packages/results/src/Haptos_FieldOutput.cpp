@@ -45,7 +45,8 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
 class ContactFields {
  public:
   explicit ContactFields(std::size_t n)
-      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), coefficients{Values(n, 0.0), Values(n, 0.0)}, normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0),
+      : force(3 * n, 0.0), slip(3 * n, 0.0), axis(3 * n, 0.0), coefficients{Values(n, 0.0), Values(n, 0.0)},
+        normalForce(n, 0.0), pressure(n, 0.0), gap(n, 0.0), status(n, 0.0),
         most_(n, 0.0) {}
 
   Values force, slip, axis;
