@@ -132,7 +132,7 @@ NewtonStop SubspaceNewtonRun::solveFromStart() {
 // in their span.  What they cannot do is a case for a fresh start.
 // No pairs are there where the last step was solved as it began.
 NewtonStop SubspaceNewtonRun::solveRenewed() {
-  isRenewed_ = false;
+  isRenewed_ = isFresh_ = false;
   balance_.balance(state_.lambda, dual_.e);
   liftRest();
   refreshJumps();
@@ -164,9 +164,20 @@ NewtonStop SubspaceNewtonRun::descend() {
 // The recursion for s drifts after a blow-up; afterwards the jumps are those of lambda again.  Which motion the floating bodies
 // have made is not in lambda: min || s + jumps a - s_before ||.
 void SubspaceNewtonRun::refreshJumps() {
-  Eigen::VectorXd s = jumpsOf(state_.lambda);
+  if (!std::exchange(isFresh_, false)) takeJumps(jumpsOf(state_.lambda));
+}
+
+void SubspaceNewtonRun::takeJumps(Eigen::VectorXd s) {
   s += balance_.nearestMotion(state_.s - s);
-  state_.s = s;
+  state_.s = std::move(s);
+}
+
+void SubspaceNewtonRun::setJumps(const Vector& given) {
+  if (!isStarted_) return;
+  Eigen::VectorXd s = DualVectors::fromVector(given);
+  balance_.removeRigidPart(s);
+  takeJumps(std::move(s));
+  isFresh_ = true;
 }
 
 // A further call asks for more of the same answer: the jumps anew, no levels, longer patience.
@@ -186,6 +197,7 @@ NewtonStop SubspaceNewtonRun::solve() {
 void SubspaceNewtonRun::startFrom(const Vector& lambda, const Vector& s) {
   if (!isStarted_) start();
   subspace_.clear();
+  isFresh_ = false;
   state_.lambda = DualVectors::fromVector(lambda);
   balance_.balance(state_.lambda, dual_.e);
   state_.s = DualVectors::fromVector(s);

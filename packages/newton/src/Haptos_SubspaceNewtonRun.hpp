@@ -20,6 +20,8 @@ class SubspaceNewtonRun {
   /// \brief Makes this the state, without pairs.  Collective.
   void startFrom(const Vector& lambda, const Vector& s);
 
+  /// \brief Jumps of the state, without F: the next `solve` needs none to renew them.  Collective.
+  void setJumps(const Vector& s);
   /// \brief Loads or laws have changed: the next `solve` keeps pairs and multipliers.
   void goOn() { isRenewed_ = isStarted_; }
 
@@ -51,6 +53,7 @@ class SubspaceNewtonRun {
   void startOnFoundation();
   void liftRest();
   void refreshJumps();
+  void takeJumps(Eigen::VectorXd s);
   bool accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
   // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
@@ -72,7 +75,7 @@ class SubspaceNewtonRun {
   Eigen::VectorXd first_;  // multipliers given by the user
   NewtonState state_;
   double reference_ = 0, residual_ = -1;
-  bool isStarted_ = false, isRenewed_ = false;
+  bool isStarted_ = false, isRenewed_ = false, isFresh_ = false;  // isFresh_: s is that of lambda
 };
 
 }  // namespace Haptos

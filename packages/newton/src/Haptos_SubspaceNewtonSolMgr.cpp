@@ -90,6 +90,8 @@ SubspaceNewtonRun& SubspaceNewtonSolMgr::run() {
 
 void SubspaceNewtonSolMgr::startFrom(const Vector& lambda, const Vector& s) { run().startFrom(lambda, s); }
 
+void SubspaceNewtonSolMgr::setJumps(const Vector& s) { run().setJumps(s); }
+
 // The state is given back whatever the outcome: the caller may go on from it by another method.
 void SubspaceNewtonSolMgr::goOn() {
   if (run_) run_->goOn();

@@ -64,6 +64,9 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   /// Collective; after setProblem.
   void startFrom(const Vector& lambda, const Vector& s);
 
+  /// \brief For a further solve() of the same problem: jumps of the result, computed anew by a caller that needs no F for them.  Collective.
+  void setJumps(const Vector& s);
+
   /// \brief The problem has other loads or laws (ContactProblem::setStep): the next solve() goes on from the present multipliers,
   /// with all pairs, which depend on F and G alone.
   void goOn();

@@ -60,6 +60,8 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
     if (run(newton_, request)) return true;
     if (!needsHelp()) return false;
   }
+  SolveRequest others = request;
+  others.jumps = Teuchos::null;  // they were of the last solution
   if (!smalse_) {
     SolverContext fromHere = context_;
     fromHere.start = newton_.solution().lambda;
@@ -67,14 +69,14 @@ bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   }
   if (!handedBack_) {
     handedBack_ = true;
-    SolveRequest states = request;
+    SolveRequest states = others;
     states.tolerance = std::max(kStatesSettled, request.tolerance);
     if (!run(*smalse_, states)) return false;
     newton_.startFrom(smalse_->solution());
-    if (run(newton_, request)) return true;
+    if (run(newton_, others)) return true;
     if (!needsHelp()) return false;
   }
-  return run(*smalse_, request);
+  return run(*smalse_, others);
 }
 
 // Newton goes on from whatever the last step came to.

@@ -23,6 +23,7 @@ struct SolveRequest {
   double tolerance;           ///< of the residual that the method estimates kkt by
   long maximumMultiplications;  ///< of F, counted from the start of the run
   bool isDoubted = false;     ///< the method took something for an answer that the measure from u refused
+  RCP<const Vector> jumps = Teuchos::null;  ///< B u - c of its last solution, free of what its own recursion has lost; or null
 };
 
 /// \brief A method for the dual problem with contact; keeps its state, so a tighter request goes on where it was.

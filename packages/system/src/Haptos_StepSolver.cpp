@@ -65,10 +65,12 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
 }
 
 // What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too.
-Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u) const {
+Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps) const {
   constexpr double kMargin = 0.8;
   const auto scope = time(Phase::Recover);
   u = recoverPrimal(system_->dual(), *solution.lambda, *solution.s);
+  jumps = Teuchos::rcp(new Vector(*system_->step().c, Teuchos::Copy));
+  system_->jump().apply(*u, *jumps, Teuchos::NO_TRANS, 1.0, -1.0);
   const AccuracyInput input{system_->systems(), system_->model().bodies, int(system_->model().bodyNames.size()), system_->jump(),
                             system_->law(), system_->step(), *system_->model().gather, loads_};
   const auto residual = residualOf(input, *u, *solution.lambda);
@@ -94,12 +96,14 @@ bool StepSolver::iterate(StepResult& result) {
   bool passed = false;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     passed = solver_->solve(request);
-    result.accuracy = measure(solver_->solution(), result.u);
+    RCP<Vector> jumps;
+    result.accuracy = measure(solver_->solution(), result.u, jumps);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
     if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
+    request.jumps = jumps;
     // Half of what is too much, but by no more than two digits at a time: the two measures are not proportional.
     request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }

@@ -64,7 +64,7 @@ class StepSolver {
  private:
   std::unique_ptr<ContactSolver> makeSolver() const;
   void factor();
-  Accuracy measure(const DualSolution& solution, RCP<Vector>& u) const;
+  Accuracy measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps) const;
   bool iterate(StepResult& result);
   std::optional<RunClock::Scope> time(Phase phase) const;
 

@@ -124,6 +124,7 @@ void SubspaceNewtonSolver::renew() {
 bool SubspaceNewtonSolver::solve(const SolveRequest& request) {
   Impl& impl = *impl_;
   impl.setRequest(request);
+  if (!request.jumps.is_null()) impl.manager.setJumps(*request.jumps);
   const bool passed = impl.manager.solve() == Belos::Converged;
   impl.solution.lambda = Teuchos::rcp(new Vector(*impl.lambda->getVector(0), Teuchos::Copy));
   impl.solution.s = Teuchos::rcp(new Vector(*impl.manager.jumps(), Teuchos::Copy));

@@ -19,21 +19,25 @@ class WrittenField {
   std::int64_t worstNode() const { return worstNode_; }  ///< mesh node with the largest r; -1: r = 0
   const RCP<Vector>& v() const { return v_; }            ///< on the primal map [length]
 
-  /// \brief Sweeps of the Chebyshev method of the fourth kind on D^-1 K, D the row sums of |K_ij|, until || r ||_2 <= enough [force].
+  /// \brief Steps of conjugate gradients for K v = f - B^T lambda, preconditioned by D, the row sums of |K_ij|, until
+  /// || r ||_2 <= enough [force] or a bound; v is the best of all steps.
   ///
-  /// It needs no bound of the spectrum but 1 and damps every body by itself, whatever their stiffnesses [lottes-2023].
-  /// Contact forces stay as they are.  Collective.
+  /// Contact forces stay as they are.  Collective: five reductions a step.
   void smooth(double enough);
 
  private:
   enum class Keep { Means, UnsupportedMeans };
+  struct Best {
+    RCP<Vector> v;
+    double imbalance;
+    std::int64_t worstNode;
+  };
   void project(Vector& x, Keep keep) const;
   RCP<Vector> makeDiagonal() const;
   void measure();
 
   const AccuracyInput& model_;
-  RCP<Vector> v_, r_;          // r_: what the change from u to v costs; each copy has the same share
-  RCP<const Vector> residual_;  // of u
+  RCP<Vector> v_, r_;  // each copy has the same share of r_
   double imbalance_ = 0;
   std::int64_t worstNode_ = -1;
 };
