@@ -64,7 +64,11 @@ void addGeometry(Table& table) {
     s.loads = {{"upper_end", false, {100, 0, 0}}, {"lower_end", false, {100, 0, 0}}};
     s.onlyState = "open";
   });
-  table.add("no-contact-in-reach", "the upper body stands beside the lower one: no pair", [](Scene& s) { s.shift = 5; });
+  table.add("no-contact-in-reach", "the upper body stands beside the lower one: no pair", [](Scene& s) {
+    s.shift = 5;
+    s.status = 1;
+    s.says = {"lower_contact", "lies opposite", "upper_contact"};
+  });
   table.add("no-contact-section", "no contact in the input: two cantilevers", [](Scene& s) { s.contact = false; });
   table.add("separating", "the upper body is pulled off", [](Scene& s) {
     s.loads = {{"upper_top", true, {-100, 0, 0}}};

@@ -114,7 +114,7 @@ TEUCHOS_UNIT_TEST(Joints, a_slit_in_one_body) {
   const Friction friction{"Coulomb", {0.3, 0.3}};
   for (const Topology topology : {Topology::Hex8, Topology::Hex20, Topology::Tet10})
     for (const int cells : {3, 4}) {
-      if (ranks() > 1 && topology == Topology::Tet10) continue;
+      if (ranks() > 1 && topology != Topology::Hex8) continue;
       checkSlit(topology, cells, nullptr, out, success);
       checkSlit(topology, cells, &friction, out, success);
     }
@@ -163,7 +163,7 @@ TEUCHOS_UNIT_TEST(Joints, a_bridge_on_two_bodies) {
   for (const Topology topology : {Topology::Hex8, Topology::Hex20, Topology::Tet10})
     for (const bool isMatching : {true, false})
       for (const char* foot : {"two contacts", "secondary", "primary"}) {
-        if (ranks() > 1 && (topology == Topology::Tet10 || isMatching)) continue;
+        if (ranks() > 1 && (topology != Topology::Hex8 || foot != std::string("two contacts"))) continue;
         out << topologyName(topology) << (isMatching ? ", matching, " : ", ") << foot << "\n";
         for (const auto& pair : laws) checkTee(topology, isMatching, foot, pair, out, success);
       }
