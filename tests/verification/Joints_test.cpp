@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Where surfaces of contact end, meet and share: a slit in one body and its tip, T-joints, several bodies on one surface, a corner.
-// ANALYTIC throughout: all bodies are strained uniformly, with the pressure of the load wherever they touch.
+// ANALYTIC but for the last: all bodies are strained uniformly, with the pressure of the load wherever they touch.
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
 #include <algorithm>
@@ -189,6 +189,66 @@ TEUCHOS_UNIT_TEST(Joints, a_block_in_a_corner) {
         if (result.pairs.empty() || law) continue;  // with friction, what the floor's breadth grows by and the block's does not rubs
         checkForces(result, kAside, {1, 1}, out, success);
       }
+}
+
+// A slider whose overhang is drawn over a floor: nodes that nothing lay opposite come down on it.  nu = 0 and rollers: all is alike along y, so that
+// the floor's surface is a line x -> z, which nodes may be compared with wherever they are.
+void checkSlider(int sliderCells, double push, Teuchos::FancyOStream& out, bool& success) {
+  BoxSpec floor, slider;
+  floor.blockName = "floor";
+  floor.lower = {0, 0, -1};
+  floor.upper = {1.5, 0.5, 0};
+  floor.divisions = {6, 1, 3};
+  floor.sideSetNames = {"", "", "walls", "walls", "ground", "floor_contact"};
+  slider.blockName = "slider";
+  slider.lower = {0.25, 0, 0.01};
+  slider.upper = {2.25, 0.5, 0.51};
+  slider.divisions = {sliderCells, 1, 2};
+  slider.sideSetNames = {"", "", "walls", "walls", "slider_contact", "top"};
+  const Mesh mesh = makeBoxes({floor, slider});
+  ScenarioBuilder scene(mesh);
+  scene.material("floor", 100, 0).material("slider", 300, 0).clamp({"ground"}).displacement({"walls"}, "y", {0, 0, 0})
+      .displacement({"top"}, "xz", {push, 0, -0.03}).contact("slider_contact", "floor_contact")
+      .contactOption("Discretization", "Automatic").contactOption("Sides", "As Given").decomposition("METIS", 4).tolerance(1e-9);
+  const long before = scene.prepare().contactPairs;
+  const auto result = scene.solve();
+  TEST_ASSERT(result.solved);
+  const long late = result.report.model.contactPairs - before;
+  const auto& notes = result.report.model.notes;
+  const bool isTold = std::any_of(notes.begin(), notes.end(), [](const std::string& note) { return note.find("are carried into the other body") != std::string::npos; });
+  TEST_EQUALITY(isTold, late > 0);
+  TEST_EQUALITY(late, push < -0.2 ? (sliderCells == 8 ? 4 : 6) : 0);
+  if (result.pairs.empty()) return;  // not the root
+  std::vector<std::array<double, 2>> surface, nodes;  // displaced, of y = 0
+  for (std::size_t i = 0; i < mesh.numNodes(); ++i) {
+    const auto& x = mesh.coordinates[i];
+    if (x[1] != 0 || (x[2] != 0 && x[2] != slider.lower[2])) continue;
+    const std::array<double, 2> place = {x[0] + result.displacement[3 * i], x[2] + result.displacement[3 * i + 2]};
+    if (x[2] == 0) surface.push_back(place);
+    else if (x[0] > floor.upper[0] + 0.01) nodes.push_back(place);
+  }
+  std::sort(surface.begin(), surface.end());
+  double deepest = 0;
+  std::size_t touching = 0;
+  for (const auto& [x, z] : nodes) {
+    const auto right = std::upper_bound(surface.begin(), surface.end(), std::array<double, 2>{x, 1e9});
+    if (right == surface.begin() || right == surface.end()) continue;
+    const auto left = right - 1;
+    const double below = (*left)[1] + ((*right)[1] - (*left)[1]) * (x - (*left)[0]) / ((*right)[0] - (*left)[0]);
+    deepest = std::max(deepest, below - z);
+    touching += std::abs(below - z) < 1e-6;
+  }
+  out << late << " late pairs, " << touching << " nodes touch, the deepest is inside by " << deepest << ", "
+      << result.report.solver.hessianMultiplications << " multiplications\n";
+  TEST_COMPARE(deepest, <=, 1e-6);  // of 0.03: rows have the weights of the displacements before them
+  TEST_EQUALITY(touching > 0, late > 0);
+}
+
+TEUCHOS_UNIT_TEST(Joints, an_overhang_that_is_drawn_over_the_floor) {
+  for (const double push : {-0.1, -0.6}) {
+    checkSlider(8, push, out, success);  // as the floor: node to node
+    checkSlider(10, push, out, success);
+  }
 }
 
 }  // namespace
