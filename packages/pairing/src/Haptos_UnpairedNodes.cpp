@@ -40,7 +40,8 @@ class MovedSurface {
       double gap = node.gap.value_or(distance);
       if (penetration == InitialPenetration::Ignore) gap = std::max(gap, 0.0);
       const double depth = Vec3::dot(n, motion) - gap;
-      if (!(depth > tolerance) || distance < -kBehind * node.pair.size || (nearest && depth >= least)) continue;
+      const bool isPassed = depth > tolerance && depth <= node.pair.size && distance >= -kBehind * node.pair.size;
+      if (!isPassed || (nearest && depth >= least)) continue;
       least = depth;
       nearest = node.pair;
       nearest->gap = gap;

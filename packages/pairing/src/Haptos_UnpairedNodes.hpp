@@ -40,7 +40,8 @@ class UnpairedNodes {
   /// \brief Mesh nodes whose displacements tell: the unpaired ones, then those of the primary surface.
   std::vector<std::int64_t> meshNodes() const;
 
-  /// \brief Pairs of the nodes that are deeper inside than `tolerance`, ascending.  Faces that a node lies behind at the start do not count.
+  /// \brief Pairs of the nodes that are deeper inside than `tolerance`, ascending.  Faces that a node lies behind at the start do not count, nor
+  /// does what is deeper than the node's element: such displacements are not small, as where somebody takes E = 1 and loads of 1.
   /// \param displacements at `meshNodes()`
   std::vector<ContactPair> pairsUnder(const std::vector<std::array<double, 3>>& displacements, double tolerance) const;
 

@@ -41,6 +41,7 @@ TEUCHOS_UNIT_TEST(UnpairedNodes, CarriedOverTheEdge) {
     TEST_EQUALITY(carried(mesh, interface, {-0.3, 0, 0}, {0, 0, 0}, 1e-9).size(), 0u);
     TEST_EQUALITY(carried(mesh, interface, {-0.3, 0, -0.099}, {0, 0, 0}, 1e-9).size(), 0u);
     TEST_EQUALITY(carried(mesh, interface, {-0.3, 0, -0.12}, {0, 0, 0}, 0.03).size(), 0u);
+    TEST_EQUALITY(carried(mesh, interface, {-0.3, 0, -0.5}, {0, 0, 0}, 1e-9).size(), 0u);  // deeper than elements are large
     // what counts is the motion against each other
     for (const double part : {0.0, 0.4, 1.0}) {
       const Point upper{-part * 0.3, 0, -part * 0.12}, lower{(1 - part) * 0.3, 0, (1 - part) * 0.12};

@@ -249,9 +249,9 @@ SimulationResult Simulation::solve() {
   StepResult step = solveSteps();
   for (int round = 0; step.solved && addLatePairs(step); ++round) {
     if (round == kMostRounds) {
-      step.solved = false;
-      step.reason = "nodes that nothing lay opposite are still carried into the other body after " + std::to_string(kMostRounds) +
-                    " systems with more pairs; the surfaces slide too far for what lies opposite at the start";
+      report_.model.notes.push_back("nodes that nothing lay opposite are still carried into the other body after " + std::to_string(kMostRounds) +
+                                    " systems with more pairs; the surfaces slide too far for what lies opposite at the start");
+      if (progress_) progress_->warn(report_.model.notes.back());
       break;
     }
     tell("nodes that nothing lay opposite are carried into the other body; they get pairs, and all is solved again");
