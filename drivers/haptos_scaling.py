@@ -17,7 +17,7 @@ Studies (all without --study):
   formulas           1 to 64 ranks: messages, bytes and the coarse problem against the formulas of doc/scaling.md
 
 Prints a table and writes scaling.csv (and scaling_formulas.csv) to the folder; --draw adds scaling.svg (needs matplotlib).
-A cell with k = 0 is a mesh of p elements an edge in METIS parts.
+A cell with k = 0 is a mesh of p elements an edge in METIS parts (--parts N: so many), compared with bounds.
 scaling.json has every run, repeated ones too: seconds of every phase by rank (min, mean, max), machine, MPI, BLAS, commit.
 Of repeated runs the fastest is in the table; efficiencies are seconds times ranks an unknown, against the first row of a study.
 Ranks beyond the processors are marked with *: their seconds mean nothing; their counts, bytes and memory do.
@@ -185,6 +185,7 @@ def parse():
                         help="starts ranks, whose number it takes by -n: mpirun, srun")
     parser.add_argument("--slurm", type=pathlib.Path, metavar="FILE", help="write a batch script that does the same, and run nothing")
     parser.add_argument("--sbatch", action="append", default=[], metavar="OPTION", help="a further line #SBATCH OPTION in it: --sbatch=--exclusive")
+    parser.add_argument("--parts", type=int, default=0, metavar="N", help="METIS parts of cells with k = 0, all together; 0: by their size")
     parser.add_argument("--repeat", type=int, default=1, metavar="N", help="runs of every cell")
     parser.add_argument("--set", action="append", default=[], metavar="PATH=VALUE", help="passed on to haptos")
     parser.add_argument("--folder", type=pathlib.Path)
@@ -206,6 +207,8 @@ def check(options):
     for k, p, ranks in options.cell:
         if k < 0 or min(p, ranks) < 1:
             raise Failure(f"--cell {k} {p} {ranks}: subdomains per edge (0: METIS parts), elements per subdomain edge and ranks must be positive")
+    if options.parts < 0:
+        raise Failure(f"--parts {options.parts}: must not be negative")
     if options.time_limit <= 0:
         raise Failure(f"--time-limit {options.time_limit:g}: must be positive")
     if options.repeat < 1:
@@ -240,7 +243,7 @@ def chosen_studies(options):
 
 
 def run(options, studies):
-    compared = [cell for cell in studies.get("formulas") or studies.get("cells") or [] if cell[0] > 0]
+    compared = [cell for name in ("formulas", "ranks-metis", "cells") for cell in studies.get(name, [])]
     tables = {name: cells for name, cells in studies.items() if name != "formulas"}
     runner = Runner(options)
     try:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""Draws what haptos_scaling.py measured (used by its --draw and --redraw)."""
+"""Draws what haptos_scaling.py measured (used by its --draw and --redraw), and what haptos_scaling_time.py tells."""
 import csv
 
 import matplotlib
@@ -114,12 +114,16 @@ def draw_coarse(axes, rows):
     ticks(axes, values(rows_of(rows, "subdomains-weak"), "subdomains"))
 
 
-def draw(path, target, png):
-    """Reads scaling.csv at `path`, writes `target`.svg (and .png)."""
-    rows = list(csv.DictReader(path.read_text().splitlines()))
+def set_style():
     plt.rcParams.update({"font.size": 9, "axes.titlesize": 9, "axes.titlelocation": "left", "axes.spines.top": False,
                          "axes.spines.right": False, "axes.grid": True, "grid.color": "#e4e4e4", "grid.linewidth": 0.6,
                          "axes.axisbelow": True, "xtick.minor.bottom": False, "svg.hashsalt": "haptos"})
+
+
+def draw(path, target, png):
+    """Reads scaling.csv at `path`, writes `target`.svg (and .png)."""
+    rows = list(csv.DictReader(path.read_text().splitlines()))
+    set_style()
     figure, grid = plt.subplots(2, 3, figsize=(12, 6.4))
     for axes, panel in zip(grid.flat, (draw_multiplications, draw_reductions, draw_bytes, draw_seconds, draw_coarse, draw_memory)):
         panel(axes, rows)
@@ -131,4 +135,25 @@ def draw(path, target, png):
     figure.savefig(f"{target}.svg", metadata={"Date": None})
     if png:
         figure.savefig(f"{target}.png", dpi=100)
+    plt.close(figure)
+
+
+def draw_model(rows, parts, path):
+    """A panel a case, a line a part of the seconds."""
+    set_style()
+    figure, grid = plt.subplots(2, 2, figsize=(11, 7.4), sharex=True, sharey=True)
+    for axes, case in zip(grid.flat, dict.fromkeys(row["case"] for row in rows)):
+        own = [row for row in rows if row["case"] == case]
+        ranks = values(own, "ranks")
+        for part, colour in zip(parts, ("#999999", "#E69F00", "#0072B2", "#009E73", "#CC79A7", "#D55E00", "#8B0000")):
+            axes.plot(ranks, values(own, part), "-", color=colour, linewidth=1.4, label=part.replace("_", " "))
+        axes.plot(ranks, values(own, "total"), "o-", color=BLACK, markersize=3, label="all")
+        axes.set(xscale="log", yscale="log", ylim=(1e-3, None), title=case)
+    for axes in grid[1]:
+        axes.set_xlabel("ranks")
+    for axes in grid[:, 0]:
+        axes.set_ylabel("seconds of a run, by the model")
+    grid[0, 0].legend(fontsize=7, ncol=2)
+    figure.tight_layout()
+    figure.savefig(path, metadata={"Date": None})
     plt.close(figure)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: BSD-3-Clause
-"""What one iteration must send on the two-beams benchmark, derived from its lattice (doc/scaling.md); nothing is fitted.
+"""What one iteration must send on the two-beams benchmark, derived from its lattice (doc/scaling.md); of METIS parts bounds only.
 
 k subdomains and k p elements along the short edge, 2 k along the long one, two bodies: s = 4 k^3 subdomains.
 """
@@ -129,8 +129,40 @@ def busiest_share(ranks):
     return min(1.0, 2 / ranks) if ranks > 2 else 0.6
 
 
+def faces_of_boxes(elements, part, ranks):
+    """Bytes of a vector that B lets a rank send in the mean, if subdomains of `part` elements, ranks and the whole are cubes."""
+    return 72 * (elements / ranks) ** (2 / 3) * (1 - ranks ** (-1 / 3)) * (1 + part ** (-1 / 3)) ** 2
+
+
+RAGGED = 5  # of METIS parts: rows that the busiest rank sends, against such cubes
+
+
+def compare_parts(summary, p):
+    """Bounds of a run on METIS parts; a rank's work on subdomains where it has some tens of them."""
+    ranks, coarse, local = summary["haptos"]["ranks"], summary["coarse"], summary["local"]
+    elements, parts = 4 * p ** 3, summary["model"]["subdomains"]
+    rows = [("elements", elements, local["elements_all"]), ("coarse unknowns", 6 * parts, coarse["unknowns"])]
+    if parts >= EVEN_FROM * ranks:
+        even = (1 + 0.1 * math.log2(ranks)) / ranks
+        work = [("elements", "elements"), ("flops", "multiplications in factors"), ("bytes_read", "bytes of factors read")]
+        if summary["model"]["congruence_classes"] < 0.8 * parts:  # copies have no factors of their own, and ranks not as many of them
+            del work[1:]
+        rows += [(f"{text}, most of a rank <=", int(even * local[name + "_all"]), int(local[name])) for name, text in work]
+    if ranks > 1:
+        for name, block in (("B", "jump"), ("B^T", "jump_transposed")):
+            sent = summary["communication"][block]
+            rows.append((f"bytes of {name}, most of a rank <=", int(RAGGED * sent["vectors"] * faces_of_boxes(elements, elements / parts, ranks)),
+                         int(sent["over_ranks"]["message_bytes"]["max"])))
+    if coarse["factors"] < ranks:
+        held = int(busiest_share(ranks) * 2.2 * 27 * coarse["unknowns"] ** (4 / 3))
+        rows += shared_factor(coarse, ranks) + [("coarse entries held, most of a rank <=", held, coarse["factor_entries"])]
+    return rows
+
+
 def compare(summary, k, p):
     """[(quantity, formula, measured)] of one run; every pair must be equal, except bounds (names that end in '<=')."""
+    if k == 0:
+        return compare_parts(summary, p)
     ranks, coarse = summary["haptos"]["ranks"], summary["coarse"]
     rows = [("subdomains", subdomains(k), summary["model"]["subdomains"]),
             ("unknowns", unknowns(k, p), summary["model"]["primal_unknowns"]),

@@ -68,7 +68,7 @@ class Runner:
     def command(self, k, p, ranks, path):
         settings = [f"Mesh->Two Beams->Subdomains Per Edge={max(k, 1)}", f"Mesh->Two Beams->Elements Per Subdomain Edge={p}", "Output->File="]
         if k == 0:
-            settings.append("Decomposition->Method=METIS")
+            settings += ["Decomposition->Method=METIS", f"Decomposition->Subdomains={self.options.parts}"]
         command = [*shlex.split(self.options.launcher), "-n", str(ranks), self.options.haptos, self.options.input, "--summary", str(path)]
         for text in settings + self.options.set:
             command += ["--set", text]

@@ -66,6 +66,23 @@ class Scaling(unittest.TestCase):
         for quantity in ("bytes of the coarse solves <=", "reductions of the coarse solves <=", "coarse entries read, most of a rank <="):
             self.assertGreater(int(formulas[quantity]["measured"]), 0)
 
+    def test_bounds_of_metis_parts(self):
+        done = self.run_driver("--cell", 0, 12, 4, "--parts", 200, "--set", "Coarse Problem->Replicated Up To=0", "--folder", self.folder)
+        self.assertEqual((done.returncode, done.stderr), (0, ""), done.stdout)
+        self.assertEqual(self.rows("scaling.csv")[0]["subdomains"], "200")
+        formulas = {row["quantity"]: row for row in self.rows("scaling_formulas.csv")}
+        self.assertEqual({row["agrees"] for row in formulas.values()}, {"yes"}, done.stdout)
+        for name in ("bytes of factors read", "bytes of B", "bytes of B^T", "multiplications in coarse factors", "coarse entries held"):
+            row = formulas[f"{name}, most of a rank <="]
+            self.assertTrue(0.1 * int(row["formula"]) < int(row["measured"]) <= int(row["formula"]), row)
+        summary = json.loads((self.folder / "scaling.json").read_text())[-1]
+        self.assertTrue(all(model.agrees(row) for row in model.compare(summary, 0, 12)))
+        for block, key in ((summary["local"], "bytes_read"), (summary["coarse"], "entries_read"),
+                           (summary["communication"]["jump"]["over_ranks"]["message_bytes"], "max")):
+            block[key] *= 3
+            self.assertFalse(all(model.agrees(row) for row in model.compare(summary, 0, 12)), key)
+            block[key] /= 3
+
     def test_a_wrong_count_is_seen(self):
         path = self.folder / "summary.json"
         done = run_haptos([haptos_runs.INPUTS / "table31.xml", "--set", "Mesh->Two Beams->Elements Per Subdomain Edge=1",

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
-"""Hybrid Total FETI on small scenes: multiplications by F with clusters of c subdomains against c = 1 (doc/decisions/035-hybrid-gate.md).
+"""Hybrid Total FETI on small scenes: multiplications by F with clusters of c subdomains against c = 1 (doc/decisions/038-hybrid-gate.md).
 
     hybrid_gate.py [--case bricks:K:P | metis:N:S]... [--clusters 1 8 27] [--rows faces faces+edges corners ...] [--tied] [--friction 0.3]
 
