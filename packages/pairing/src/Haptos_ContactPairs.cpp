@@ -116,10 +116,11 @@ void finishGaps(const Mesh& mesh, const ContactSpec& spec, ContactInterface& int
     for (auto& pair : interface.pairs) pair.gap = std::max(pair.gap, 0.0);
 }
 
-// Every node deeper inside the other body than its element is large: no fit is so tight.
-void requireFacing(const SurfaceCouple& couple, const ContactInterface& interface) {
-  const bool isInside = !interface.pairs.empty() && std::all_of(interface.pairs.begin(), interface.pairs.end(),
-                                                               [](const ContactPair& pair) { return pair.gap < -2 * pair.size; });
+// Every node deeper inside the other body than two elements: no fit is so tight.  A gap that is given tells nothing of the places.
+void requireFacing(const ContactSpec& spec, const SurfaceCouple& couple, const ContactInterface& interface) {
+  if (interface.pairs.empty() || spec.gapAt) return;
+  const bool isInside =
+      std::all_of(interface.pairs.begin(), interface.pairs.end(), [](const ContactPair& pair) { return pair.gap < -2 * pair.size; });
   HAPTOS_REFUSE_IF(isInside, "Contact '" << interface.name << "': all of side set '" << couple.secondary.name << "' lies behind '" << couple.primary.name
                                          << "', deeper than two elements; the surfaces look away from each other. Is one of them the wrong side set?");
 }
@@ -166,7 +167,7 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
   }
   interface.unpairedNodes = unpaired.size();
   requireOpposite(couple, interface.unpairedNodes < secondary.numNodes());
-  if (!spec.tied) requireFacing(couple, interface);
+  if (!spec.tied) requireFacing(spec, couple, interface);
   keepUnpaired(spec, couple, std::move(unpaired), secondary.numNodes(), interface);
   if (onBothSides > 0)
     interface.notes.push_back(std::to_string(onBothSides) + " nodes are in '" + secondary.name + "' and in '" + primary.name +
@@ -335,7 +336,7 @@ void finishMortar(const Mesh& mesh, const ContactSurroundings& around, const std
   std::stable_sort(interface.pairs.begin(), interface.pairs.end(), [](const auto& a, const auto& b) { return a.secondaryNode < b.secondaryNode; });
   const MortarDraft& first = *drafts.front();
   const SurfaceCouple couple{mesh, interface.name, first.secondary, first.primary};
-  requireFacing(couple, interface);
+  requireFacing(*first.spec, couple, interface);
   requireOpposite(couple, isAnyCovered);
   std::size_t numNodes = 0;
   auto unpaired = findUnpaired(drafts, interface, numNodes);

@@ -158,5 +158,7 @@ TEUCHOS_UNIT_TEST(Gaps, GivenClosedAndIgnored) {
     contact.gapAt = [&](std::int64_t node) { return 0.25 * mesh.coordinates[std::size_t(node)][0]; };
     for (const auto& pair : pairsOf(mesh, contact))
       TEST_COMPARE(std::abs(pair.gap - 0.25 * mesh.coordinates[std::size_t(pair.secondaryNode)][0]), <, 1e-13);
+    contact.gapAt = [](std::int64_t) { return -5.0; };  // deeper than many elements, as the user wants it
+    for (const auto& pair : pairsOf(mesh, contact)) TEST_COMPARE(std::abs(pair.gap + 5), <, 1e-13);
   }
 }
