@@ -2,12 +2,14 @@
 """Draws random scenes, runs them, checks each answer independently of the library, and prints a distribution and the worst.
 
     sweep.py --haptos PROGRAM [--mpirun "mpirun --oversubscribe"] [--seed 1] [--count 100] [--only INDEX...] [--ranks 1 2 3]
-             [--method Automatic] [--most F] [--write doc/sweep.md] [--keep FOLDER]
+             [--method Automatic] [--most F] [--csv FILE] [--keep FOLDER]
 
 A scene holds if it ends with status 0 and all measures of the written field are at most ten tolerances, with
 F on all ranks within 2 % + 2 of each other, or with status 3 on all of them.  --only reproduces scenes by their number.
+--csv adds a line a scene to a table, from which sweep_page.py makes doc/sweep.md.
 """
 import argparse
+import csv
 import json
 import os
 import pathlib
@@ -102,15 +104,17 @@ def table(rows):
     return lines
 
 
-def worst(rows, many=10):
-    return sorted(rows, key=lambda row: (bool(row["why"]), max(row["F"], default=0)), reverse=True)[:many]
-
-
-def chart(rows):
-    """Sorted multiplications as a curve of text, one line a decile."""
-    counts = sorted(max(row["F"]) for row in rows if row["F"])
-    marks = [counts[min(len(counts) - 1, len(counts) * part // 100)] for part in range(0, 101, 10)] if counts else []
-    return [f"{part:3d} %  {'#' * min(100, mark)} {mark}" for part, mark in zip(range(0, 101, 10), marks)]
+def add_to(path, seed, row):
+    """One line of the table `sweep_page.py` reads; the first brings the names of the columns."""
+    cells = {"seed": seed, "index": row["index"], "scene": row["scene"], "pairs": row["pairs"], "F": " ".join(map(str, row["F"])),
+             "status": " ".join(map(str, row["status"])), "field_equilibrium": row["errors"].get("field_equilibrium", ""),
+             "largest_error": max(row["errors"].values(), default=""), "seconds": row["seconds"], "remarks": "; ".join(row["why"])}
+    is_new = not path.exists()
+    with path.open("a", newline="") as file:
+        writer = csv.DictWriter(file, cells)
+        if is_new:
+            writer.writeheader()
+        writer.writerow(cells)
 
 
 def main():
@@ -124,7 +128,7 @@ def main():
     parser.add_argument("--method", default="Automatic")
     parser.add_argument("--most", type=int, default=0)
     parser.add_argument("--timeout", type=float, default=300)
-    parser.add_argument("--write", type=pathlib.Path)
+    parser.add_argument("--csv", type=pathlib.Path)
     parser.add_argument("--keep", type=pathlib.Path)
     arguments = parser.parse_args()
     rows = []
@@ -134,10 +138,9 @@ def main():
         for index in arguments.only or range(arguments.count):
             rows.append(examine(arguments, index, folder))
             print(*table(rows[-1:])[2:], flush=True)
+            if arguments.csv:
+                add_to(arguments.csv, arguments.seed, rows[-1])
     print(*distribution(rows), sep="\n")
-    if arguments.write:
-        arguments.write.write_text("\n".join([f"# Random scenes, seed {arguments.seed}", "", *distribution(rows), "", "```", *chart(rows), "```", "",
-                                              "The worst:", "", *table(worst(rows)), ""]))
     return 1 if any(row["why"] for row in rows) else 0
 
 
