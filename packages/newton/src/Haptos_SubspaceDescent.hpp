@@ -22,19 +22,20 @@ class SubspaceDescent {
     const std::vector<PairLaw>& pairs;
     const Eigen::VectorXd& r;  ///< [pairs]
     const SubspaceNewtonOptions::Steps& options;
+    bool isFloating = false;  ///< contact alone holds some bodies: jumps are kept within reach
   };
 
   /// \brief At y = 0, where `law` and `norm` are the state's.  Collective.
   SubspaceDescent(const Setting& setting, const NewtonState& state, LawLinearization law, double norm);
-
-  /// \brief Takes these coefficients if they are better.  Collective.
-  void tryStep(const Eigen::VectorXd& y);
 
   /// \brief Steps as long as they pay.  Collective.
   ///
   /// \param isFrozen directions were made for one linearisation: longer patience, no damping
   /// \param bestNorm so far: bounds a step that does not descend
   void run(bool isFrozen, double bestNorm);
+
+  /// \brief The same from the step that the last direction was made for; where that goes up, from here, too, and the better end counts.
+  void runFrom(const Eigen::VectorXd& planned, bool isFrozen, double bestNorm);
 
   const Eigen::VectorXd& y() const { return y_; }    ///< [m]
   LawLinearization takeLaw() { return std::move(law_); }  ///< at y; nothing but `y` must be called after it
@@ -44,20 +45,23 @@ class SubspaceDescent {
     Eigen::VectorXd y;
     LawLinearization law;
     double norm;
+    double jumps;  // || s_c ||
   };
   struct Search {
     std::optional<Candidate> better;
-    double fullNorm;  // of the full step
+    double fullNorm;  // of the full step; infinite if it is beyond reach
   };
   Eigen::VectorXd gluingAt(const Eigen::VectorXd& y) const;
   Candidate at(const Eigen::VectorXd& y) const;
   void moveTo(Candidate&& candidate);
+  bool isWithinReach(const Candidate& candidate) const { return candidate.jumps <= reach_; }
   double promise(const SmallSystem& system, const Eigen::VectorXd& dy) const;
   Search search(const SmallSystem& system, const Eigen::VectorXd& dy, bool isFrozen) const;
 
   Setting setting_;
   const Eigen::VectorXd lambda0_, s0_;  // contact values at y = 0
   const RecycledSubspace::Projected gluing0_;
+  const double reach_;  // of || s_c ||
   Eigen::VectorXd y_;
   LawLinearization law_;
   double norm_;

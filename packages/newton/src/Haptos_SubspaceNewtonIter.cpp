@@ -106,14 +106,12 @@ bool SubspaceNewtonIter::hasStalled(const NewtonLimits& limits, int patience) co
   return limits.stall > 0 && applications() - halvedAt_ >= long(linear_ ? options_.linearPatience * patience : patience) * limits.stall;
 }
 
-// The best of the span; a step that the last direction was made for is looked at first.
+// The best of the span, sought from the step that the last direction was made for, if there is one.
 void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
-  SubspaceDescent descent({subspace_, vectors_, *pairs_, r_, options_}, state, std::move(law_), norm_);
-  if (step_.size() == subspace_.size()) {
-    descent.tryStep(step_);
-    step_.resize(0);
-  }
-  descent.run(linear_, bestNorm_);
+  SubspaceDescent descent({subspace_, vectors_, *pairs_, r_, options_, balance_.numFloating() > 0}, state, std::move(law_), norm_);
+  if (step_.size() == subspace_.size()) descent.runFrom(step_, linear_, bestNorm_);
+  else descent.run(linear_, bestNorm_);
+  step_.resize(0);
   law_ = descent.takeLaw();
   subspace_.addCombination(descent.y(), state.lambda, state.s);
 }

@@ -58,6 +58,9 @@ struct SubspaceNewtonOptions {
     double armijo = 1e-4;          ///< descent asked of a step, relative to its length: any real one
     double shortestStep = 1.0 / 40;  ///< six trials of the line search; then damped steps
     std::array<double, 4> dampings{1e-3, 1e-2, 1e-1, 1.0};  ///< of the small system with columns of length 1
+    /// Growth of the contact jumps in a step where contact alone holds bodies; what friction hardly resists went 1e5 to 1e9 times as far, where
+    /// phi is small and no solution near.
+    double farthest = 10;
     /// A first full step without descent is taken up to this much above the best residual: it lets the active set move.
     double ascent = 3;
 

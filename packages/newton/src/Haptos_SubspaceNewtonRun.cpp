@@ -116,14 +116,13 @@ void SubspaceNewtonRun::condense() {
 }
 
 // Condensed directions are taken from the start where M is known to be poor or ellipses are long, else on a plateau: from the state
-// reached, which is worth more than a fresh start, unless that state leads nowhere or bodies that contact alone holds may have gone off.
+// reached, which is worth more than a fresh start, unless it leads nowhere.
 NewtonStop SubspaceNewtonRun::solveFromStart() {
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
   if (dual_.needsDeflatedM || policy.isElongated()) condense();
   const NewtonStop stop = descend();
   if (stop != NewtonStop::Plateau) return stop;
   condense();
-  if (isFloating()) return descend();
   const NewtonStop fromHere = runLevel(dual_.pairs, finalLevel(options_.continuation.patience));
   return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
 }

@@ -248,12 +248,25 @@ TEUCHOS_UNIT_TEST(SubspaceDescent, LowersTheResidualOfTheLawItself) {
   TEST_COMPARE(after, <, 0.99 * before);
   const Eigen::VectorXd phi = descent.takeLaw().phi;
   TEST_COMPARE(t.parts.vectors.norm(phi - t.lawAt(t.at(descent.y())).phi), <, 1e-10 * before);
-  // what is worse is not taken, what is better is
-  SubspaceDescent other({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options}, t.state, t.law, before);
-  other.tryStep(Eigen::VectorXd::Constant(6, 1e3 * before));
-  TEST_EQUALITY(other.y().norm(), 0.0);
-  other.tryStep(descent.y());
-  TEST_EQUALITY((other.y() - descent.y()).norm(), 0.0);
+  // from a step that goes up it comes to what it reaches without, or to less; from its own end it does not go back
+  for (const Eigen::VectorXd& planned : {Eigen::VectorXd(Eigen::VectorXd::Constant(6, 1e3 * before)), Eigen::VectorXd(descent.y())}) {
+    SubspaceDescent other({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options, true}, t.state, t.law, before);
+    other.runFrom(planned, false, before);
+    TEST_COMPARE(normAt(other.y()), <=, (1 + 1e-10) * after);
+  }
+}
+
+// Contact jumps stay within reach, of a planned step, too.
+TEUCHOS_UNIT_TEST(SubspaceDescent, FloatingBodiesDoNotGoOff) {
+  const Span t(6);
+  SubspaceNewtonOptions::Steps options;
+  options.farthest = 1e-3;  // nothing is within reach
+  const double before = t.residual(t.state.s, t.law.phi).norm();
+  for (const bool isFloating : {false, true}) {
+    SubspaceDescent descent({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options, isFloating}, t.state, t.law, before);
+    descent.runFrom(Eigen::VectorXd::Zero(6), false, before);
+    TEST_EQUALITY(descent.y().norm() == 0.0, isFloating);
+  }
 }
 
 }  // namespace

@@ -145,7 +145,7 @@ def _input(scene, name):
                        _parameter("Young's Modulus", "double", repr(scene.young[b])),
                        _parameter("Poisson's Ratio", "double", repr(scene.poisson[b]))) for b in range(scene.bodies)]
     return _list("Haptos", _list("Mesh", _parameter("File", "string", f"{name}.exo")),
-                 _list("Decomposition", _parameter("Subdomains", "int", max(scene.subdomains, scene.bodies)), _parameter("Seed", "int", scene.seed)),
+                 _list("Decomposition", _parameter("Subdomains", "int", min(max(scene.subdomains, scene.bodies), scene.bodies * math.prod(scene.elements))), _parameter("Seed", "int", scene.seed)),
                  _list("Materials", *materials), _list("Boundary Conditions", *_conditions(scene)), _list("Contact", *_interfaces(scene)),
                  _list("Solver", _parameter("Relative Tolerance", "double", scene.tolerance),
                        _parameter("Maximum Hessian Multiplications", "int", 1000)))
