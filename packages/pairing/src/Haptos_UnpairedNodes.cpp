@@ -2,6 +2,8 @@
 #include "Haptos_UnpairedNodes.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 #include "Haptos_FacetTree.hpp"
 #include "Haptos_ProjectedFace.hpp"
@@ -22,36 +24,43 @@ class MovedSurface {
 
   // The row of a node with the nearest face that it has passed by more than `tolerance`; nothing where it has passed none.
   std::optional<ContactPair> pairOf(const UnpairedNodes::Node& node, const Vec3::Array& u, InitialPenetration penetration, double tolerance) {
-    const auto& n = node.pair.frame.normal;
-    const ProjectionPlane plane(Vec3::add(node.place, u), n);
-    tree_.facetsNearLine(plane.origin, n, found_);
+    const ProjectionPlane plane(Vec3::add(node.place, u), node.pair.frame.normal);
+    tree_.facetsNearLine(plane.origin, plane.normal, found_);
     std::sort(found_.begin(), found_.end());  // the tree's order depends on how it was built
-    std::optional<ContactPair> nearest;
-    double least = 0;
+    std::optional<Meeting> nearest;
     for (const int facet : found_) {
-      if (Vec3::dot(n, y_.facetNormals[std::size_t(facet)]) >= opposing) continue;
-      const ProjectedFace face(y_, y_.faceOfFacet[std::size_t(facet)], plane);
-      const auto point = face.pointAt({0, 0});
-      if (!point || distanceOutside(face.face.size, *point) > kEdge) continue;
-      const auto N = faceValues(face.face.size, *point).N;
-      const auto start = sumOf(face.face, N, x_);
-      const auto motion = Vec3::subtract(u, Vec3::subtract(sumOf(face.face, N, y_.coordinates), start));
-      const double distance = Vec3::dot(n, Vec3::subtract(start, node.place));
-      double gap = node.gap.value_or(distance);
-      if (penetration == InitialPenetration::Ignore) gap = std::max(gap, 0.0);
-      const double depth = Vec3::dot(n, motion) - gap;
-      const bool isPassed = depth > tolerance && depth <= node.pair.size && distance >= -kBehind * node.pair.size;
-      if (!isPassed || (nearest && depth >= least)) continue;
-      least = depth;
-      nearest = node.pair;
-      nearest->gap = gap;
-      for (std::size_t i = 0; i < std::size_t(face.face.size); ++i)
-        if (std::abs(N[i]) > roundOff) nearest->primary.push_back({y_.nodes[std::size_t(face.face.nodes[i])], N[i]});
+      auto meeting = meet(node, plane, facet, penetration);
+      if (meeting && meeting->depth > tolerance && (!nearest || meeting->depth < nearest->depth)) nearest = std::move(meeting);
     }
-    return nearest;
+    return nearest ? std::optional(std::move(nearest->pair)) : std::nullopt;
   }
 
  private:
+  struct Meeting {
+    ContactPair pair;
+    double depth;
+  };
+
+  // \param plane at the moved node
+  std::optional<Meeting> meet(const UnpairedNodes::Node& node, const ProjectionPlane& plane, int facet, InitialPenetration penetration) const {
+    const auto& n = plane.normal;
+    if (Vec3::dot(n, y_.facetNormals[std::size_t(facet)]) >= opposing) return {};
+    const ProjectedFace face(y_, y_.faceOfFacet[std::size_t(facet)], plane);
+    const auto point = face.pointAt({0, 0});
+    if (!point || distanceOutside(face.face.size, *point) > kEdge) return {};
+    const auto N = faceValues(face.face.size, *point).N;
+    const double distance = Vec3::dot(n, Vec3::subtract(sumOf(face.face, N, x_), node.place));
+    const double now = Vec3::dot(n, Vec3::subtract(sumOf(face.face, N, y_.coordinates), plane.origin));
+    Meeting meeting{node.pair, 0};
+    meeting.pair.gap = node.gap.value_or(distance);
+    if (penetration == InitialPenetration::Ignore) meeting.pair.gap = std::max(meeting.pair.gap, 0.0);
+    meeting.depth = distance - now - meeting.pair.gap;  // n . (u_s - sum N_l u_l) - gap
+    if (meeting.depth > node.pair.size || distance < -kBehind * node.pair.size) return {};
+    for (std::size_t i = 0; i < std::size_t(face.face.size); ++i)
+      if (std::abs(N[i]) > roundOff) meeting.pair.primary.push_back({y_.nodes[std::size_t(face.face.nodes[i])], N[i]});
+    return meeting;
+  }
+
   static ContactSurface movedBy(ContactSurface surface, const Vec3::Array* displacements) {
     for (auto& x : surface.coordinates) x = Vec3::add(x, *displacements++);
     return surface;
