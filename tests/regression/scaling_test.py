@@ -179,6 +179,7 @@ class Scaling(unittest.TestCase):
                 (["--cells", wrong, "--folder", self.folder], "line 2: '2 1' is not k, p and ranks"),
                 (["--cells", empty, "--folder", self.folder], "no cell in it"),
                 (["--repeat", 0], "--repeat 0: must be at least 1"),
+                (["--parts", -1], "--parts -1: must not be negative"),
                 (["--sbatch", "x"], "--sbatch tells what --slurm writes"),
                 (["--time-limit", -1], "--time-limit -1: must be positive"),
                 (["--haptos", "/no/such/program"], "--haptos /no/such/program: no such program"),
