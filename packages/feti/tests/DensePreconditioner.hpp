@@ -4,17 +4,15 @@
 #include <set>
 
 #include "FetiScene.hpp"
-#include "Haptos_SubdomainSurface.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos::Testing {
 
-/// Unknowns of the surface and of nodes that rows touch.
+/// Unknowns that rows touch.
 inline std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
-  const auto surface = surfaceDofs(sub.groups, sub.numNodes());
-  std::set<int> all(surface.begin(), surface.end());
+  std::set<int> all;
   for (const auto& entry : scene.rows.entries)
-    for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
+    if (entry.subdomain == sub.id) all.insert(entry.dof);
   return {all.begin(), all.end()};
 }
 
