@@ -6,9 +6,6 @@
 #include <cmath>
 #include <map>
 
-#include "Haptos_DenseDecompositions.hpp"
-#include "Haptos_SparseBlocks.hpp"
-
 namespace Haptos {
 namespace {
 
@@ -61,15 +58,6 @@ bool differAtOnce(const Eigen::SparseMatrix<double>& A, const Eigen::SparseMatri
   for (Eigen::Index k : {Eigen::Index(0), n / 2, n - 1})
     if (std::abs(A.valuePtr()[k] - B.valuePtr()[k]) > 2 * kCongruenceTolerance * largest) return true;
   return false;
-}
-
-// Whether no motion without energy vanishes on these unknowns, or nearly: singular values of R there, against those of R spread evenly.
-bool holds(const Eigen::MatrixXd& R, const std::vector<int>& unknowns) {
-  constexpr double kHeld = 1e-3;
-  if (R.cols() == 0) return true;
-  if (Eigen::Index(unknowns.size()) < R.cols()) return false;
-  const double even = std::sqrt(double(unknowns.size()) / double(R.rows()));
-  return RightSvd(rowsOf(R, unknowns)).values.minCoeff() > kHeld * even;
 }
 
 bool congruent(const LocalSystem& a, const LocalSystem& b) {
@@ -214,23 +202,21 @@ void LocalSystems::condenseLike(const LocalSystems& pattern) {
   }
 }
 
-// What rows touch in any member of the class; the rest is free to follow. With the whole surface where that does not hold the subdomain:
-// K_ii would be singular.
+// What the source calls surface, and all three unknowns of every node that rows touch in any member of the class.
 std::vector<int> LocalSystems::boundaryOf(int c, const JumpOperator& jump) const {
-  const Eigen::MatrixXd& R = systems_[representative_[c]].R();
-  std::vector<char> on(std::size_t(R.rows()), 0);
+  std::vector<int> dofs = source_->surface(representative_[c]);
+  std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
+  for (int dof : dofs) on[dof] = 1;
+  const std::size_t before = dofs.size();
   for (int member : members_[c])
-    for (int dof : jump.touchedDofs(member)) on[std::size_t(dof)] = 1;
-  const auto listed = [&] {
-    std::vector<int> dofs;
-    for (int dof = 0; dof < int(on.size()); ++dof)
-      if (on[std::size_t(dof)]) dofs.push_back(dof);
-    return dofs;
-  };
-  const auto touched = listed();
-  if (holds(R, touched)) return touched;
-  for (int dof : source_->surface(representative_[c])) on[std::size_t(dof)] = 1;
-  return listed();
+    for (int touched : jump.touchedDofs(member))
+      for (int dof = touched - touched % 3; dof < touched - touched % 3 + 3; ++dof)
+        if (!on[dof]) {
+          on[dof] = 1;
+          dofs.push_back(dof);
+        }
+  if (dofs.size() > before) std::sort(dofs.begin(), dofs.end());
+  return dofs;
 }
 
 // A class that cannot be condensed (its surface does not hold its interior) stays with the sparse factor, which

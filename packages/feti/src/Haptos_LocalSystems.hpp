@@ -61,7 +61,7 @@ class LocalSystems {
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
-  /// \brief Unknowns that a row of B touches in one of a class's members, ascending; with those of its surface where they do not hold it.
+  /// \brief Unknowns of a class's surface, and of the nodes that a row of B touches in one of its members; ascending.
   std::vector<int> boundaryOf(int congruenceClass, const JumpOperator& jump) const;
 
   /// \brief K of a class, as long as it is kept.

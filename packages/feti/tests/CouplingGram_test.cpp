@@ -25,10 +25,6 @@ Scene sevenScene() {
   options.upper = {1, 1, 1};
   options.contact = false;
   Scene scene = makeScene(options);
-  // Congruent subdomains would share what rows of any of them touch.
-  for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) scene.mesh.coordinates[i][0] *= 1 + 0.02 * std::sin(double(i));
-  for (auto& sub : scene.subdomains)
-    for (std::size_t i = 0; i < sub.nodes.size(); ++i) sub.coordinates[i] = scene.mesh.coordinates[std::size_t(sub.nodes[i])];
   ContactInterface interface;
   interface.name = "seven";
   ContactPair pair{-1, {}, {}, makeFrame({0.1, 0.2, -1.0}, {1, 0, 0}), 0.01, 0.5};

@@ -4,15 +4,17 @@
 #include <set>
 
 #include "FetiScene.hpp"
+#include "Haptos_SubdomainSurface.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos::Testing {
 
-/// Unknowns that rows touch.
+/// Unknowns of the surface and of nodes that rows touch.
 inline std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
-  std::set<int> all;
+  const auto surface = surfaceDofs(sub.groups, sub.numNodes());
+  std::set<int> all(surface.begin(), surface.end());
   for (const auto& entry : scene.rows.entries)
-    if (entry.subdomain == sub.id) all.insert(entry.dof);
+    for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
   return {all.begin(), all.end()};
 }
 
