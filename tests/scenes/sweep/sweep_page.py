@@ -71,7 +71,7 @@ def draw(rows, path):
         axes.set(xscale="log", xlabel="multiplications by F")
         figures.plain_ticks(axes.xaxis)
     left.set(title="Share of the scenes [%]", ylim=(0, 101))
-    left.legend(frameon=False, fontsize=8)
+    left.legend(frameon=False, fontsize=8, loc="lower right")
     right.set(yscale="log", title="Largest certified error")
     figure.tight_layout()
     figure.savefig(path, metadata={"Date": None})
