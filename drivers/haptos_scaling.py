@@ -24,7 +24,6 @@ Ranks beyond the processors are marked with *: their seconds mean nothing; their
 Exit status: 0, 1 for wrong input or a run that failed, 2 if a formula and its counter disagree.
 """
 import argparse
-import csv
 import json
 import pathlib
 import shlex
@@ -33,7 +32,7 @@ import statistics
 import sys
 
 import haptos_scaling_model as model
-from haptos_scaling_run import Failure, Runner, batch_script, processors, read_cells
+from haptos_scaling_run import Failure, Runner, batch_script, processors, read_cells, write_csv
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 PHASES = ("read", "decompose", "assemble", "factor", "coarse", "solve", "recover", "write", "total")
@@ -141,13 +140,6 @@ def line_of(row):
             f"     | {row['reductions']:10d} {float(row['reductions_per_multiplication']):6.1f} {row['largest_reductions_of_a_step']:5d}"
             f" {row['messages']:8d} {float(row['mbytes_sent']):8.3f} | {float(row['memory_mb']):9.0f} {row['bytes_per_unknown']:>10s}"
             f" | {row['solve_efficiency'] or '-':>17s}  {row['total_efficiency'] or '-':>5s}{failed}")
-
-
-def write_csv(path, columns, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
 
 
 def measure(runner, studies):

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Runs of haptos_scaling.py: launched here, or by a batch script of Slurm."""
+import csv
 import json
 import math
 import os
@@ -117,3 +118,10 @@ def batch_script(options, cells):
     command = [sys.executable, str(pathlib.Path(__file__).resolve().parent / "haptos_scaling.py"), *without_batch_options(sys.argv[1:]),
                "--launcher", "srun"]
     return "\n".join([*lines, f"cd {shlex.quote(os.getcwd())}", shlex.join(command)]) + "\n"
+
+
+def write_csv(path, columns, rows):
+    with open(path, "w", newline="") as file:
+        writer = csv.DictWriter(file, columns, lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(rows)

@@ -24,7 +24,7 @@ import subprocess
 import sys
 
 from haptos_scaling_model import faces_of_boxes
-from haptos_scaling_run import Failure, Runner, processors
+from haptos_scaling_run import Failure, Runner, processors, write_csv
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 SOLVES, SET_UPS = 6, 14       # coarse solves a multiplication, coarse matrices a run
@@ -195,13 +195,6 @@ class Measurements:
                     self.run(cell)
 
 
-def write(path, columns, rows):
-    with open(path, "w", newline="") as file:
-        writer = csv.DictWriter(file, columns, lineterminator="\n")
-        writer.writeheader()
-        writer.writerows(rows)
-
-
 def draw(rows, path):
     import haptos_scaling_chart
     haptos_scaling_chart.draw_model(rows, PARTS, path)
@@ -222,7 +215,7 @@ def study(options):
     checked = check(small, lambda ranks: measured.rates[min(most, ranks)], measured.runs)
     rows = predict(small, large, {**measured.rates[most], "latency": options.latency, "link": options.link})
     for columns, table, name in ((CHECKED, checked, "scaling_model_check.csv"), (COLUMNS, rows, "scaling_model.csv")):
-        write(options.folder / name, columns, table)
+        write_csv(options.folder / name, columns, table)
         print("\n" + "  ".join(columns))
         for row in table:
             print("  ".join(str(row[column]) for column in columns))
