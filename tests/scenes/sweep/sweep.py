@@ -2,14 +2,16 @@
 """Draws random scenes, runs them, checks each answer independently of the library, and prints a distribution and the worst.
 
     sweep.py --haptos PROGRAM [--mpirun "mpirun --oversubscribe"] [--seed 1] [--count 100] [--only INDEX...] [--ranks 1 2 3]
-             [--method Automatic] [--most F] [--csv FILE] [--keep FOLDER]
+             [--families basic|wide] [--no-tied] [--method Automatic] [--most F] [--csv FILE] [--keep FOLDER]
 
 A scene holds if it ends with status 0 and all measures of the written field are at most ten tolerances, with
-F on all ranks within 2 % + 2 of each other, or with status 3 on all of them.  --only reproduces scenes by their number.
+F on all ranks within 2 % + 2 of each other, or with status 3 on all of them.  --only reproduces scenes by their number.  Each scene is also
+solved with its surfaces tied, for what contact costs beside that.
 --csv adds a line a scene to a table, from which sweep_page.py makes doc/sweep.md.
 """
 import argparse
 import csv
+import dataclasses
 import json
 import os
 import pathlib
@@ -23,11 +25,13 @@ try:
 
     import certificate
     import random_scenes
+    import wide_scenes
 except ImportError as missing:
     print(f"not run: {missing}")
     sys.exit(77)
 
 ALLOWED = 10  # tolerances
+DRAW = {"basic": random_scenes.draw, "wide": wide_scenes.draw}
 
 
 def run(arguments, path, ranks):
@@ -39,20 +43,25 @@ def run(arguments, path, ranks):
         command = [*shlex.split(arguments.mpirun), "-n", str(ranks), *command]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                    "OMPI_MCA_mpi_yield_when_idle": "1"}
+    before = os.times().children_user
     try:
         done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=arguments.timeout)
     except subprocess.TimeoutExpired:
         return None, {"message": f"more than {arguments.timeout} s"}
     if not summary.exists():
         return done.returncode, {"message": (done.stderr.strip().splitlines() or [""])[-1]}
-    return done.returncode, json.loads(summary.read_text())
+    result = json.loads(summary.read_text())
+    # of processor time, which tells more than the clock where others work too
+    result["solve_seconds"] = (os.times().children_user - before) * result["time"]["solve"] / result["time"]["total"]
+    return done.returncode, result
 
 
 def examine(arguments, index, folder):
     """One scene on all ranks: a row of results."""
-    scene = random_scenes.draw(arguments.seed, index)
+    scene = DRAW[arguments.families](arguments.seed, index)
     path = random_scenes.write(scene, folder, f"scene{index}")
-    row = {"index": index, "scene": scene.describe(), "F": [], "status": [], "why": [], "errors": {}, "pairs": 0, "seconds": 0.0}
+    row = {"index": index, "family": scene.family, "scene": scene.describe(), "F": [], "status": [], "why": [], "errors": {}, "pairs": 0,
+           **dict.fromkeys(("seconds", "solves", "tied_F", "tied_seconds", "tied_solves"), "")}
     for ranks in arguments.ranks:
         status, summary = run(arguments, path, ranks)
         row["status"].append(status)
@@ -60,14 +69,27 @@ def examine(arguments, index, folder):
             row["why"].append(f"{ranks} ranks: status {status}, {summary['message']}" if status != 3 else "")
             continue
         row["F"].append(summary["solver"]["hessian_multiplications"])
-        row["pairs"], row["seconds"] = summary["model"]["contact_pairs"], summary["time"]["solve"]
+        row["pairs"] = summary["model"]["contact_pairs"]
+        if ranks == arguments.ranks[0]:
+            row["seconds"], row["solves"] = summary["solve_seconds"], summary["solver"]["local_solves"]
         if status != 0:
             row["why"].append(f"{ranks} ranks: status {status}, {summary['solver']['reason']}")
             continue
-        errors = certificate.certify(scene, random_scenes.mesh_of(scene), random_scenes.SIDES, path.with_suffix(".result.exo"))
+        errors = certificate.certify(scene, random_scenes.mesh_of(scene), summary, path.with_suffix(".result.exo"))
         row["errors"] = {key: max(value, row["errors"].get(key, 0)) for key, value in errors.items()}
+    if not arguments.no_tied and row["status"][0] == 0:
+        row.update(tied(arguments, scene, folder, f"scene{index}.tied"))
     judge(scene, row, arguments)
     return row
+
+
+def tied(arguments, scene, folder, name):
+    """What the same scene costs with its surfaces bonded; nothing where that is no problem of its own."""
+    status, summary = run(arguments, random_scenes.write(dataclasses.replace(scene, law="Tied"), folder, name), arguments.ranks[0])
+    if status != 0:
+        return {}
+    return {"tied_F": summary["solver"]["hessian_multiplications"], "tied_seconds": summary["solve_seconds"],
+            "tied_solves": summary["solver"]["local_solves"]}
 
 
 def judge(scene, row, arguments):
@@ -108,7 +130,8 @@ def add_to(path, seed, row):
     """One line of the table `sweep_page.py` reads; the first brings the names of the columns."""
     cells = {"seed": seed, "index": row["index"], "scene": row["scene"], "pairs": row["pairs"], "F": " ".join(map(str, row["F"])),
              "status": " ".join(map(str, row["status"])), "field_equilibrium": row["errors"].get("field_equilibrium", ""),
-             "largest_error": max(row["errors"].values(), default=""), "seconds": row["seconds"], "remarks": "; ".join(row["why"])}
+             "largest_error": max(row["errors"].values(), default=""), "remarks": "; ".join(row["why"]),
+             **{key: row[key] for key in ("family", "seconds", "solves", "tied_F", "tied_seconds", "tied_solves")}}
     is_new = not path.exists()
     with path.open("a", newline="") as file:
         writer = csv.DictWriter(file, cells)
@@ -125,6 +148,8 @@ def main():
     parser.add_argument("--count", type=int, default=100)
     parser.add_argument("--only", type=int, nargs="*")
     parser.add_argument("--ranks", type=int, nargs="*", default=[1])
+    parser.add_argument("--families", default="basic", choices=DRAW)
+    parser.add_argument("--no-tied", action="store_true")
     parser.add_argument("--method", default="Automatic")
     parser.add_argument("--most", type=int, default=0)
     parser.add_argument("--timeout", type=float, default=300)
