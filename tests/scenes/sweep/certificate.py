@@ -1,10 +1,13 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Checks an answer from its file alone: own stiffness, own loads, own rows, own law; nothing of the library."""
+import itertools
 import math
 import re
 
 import netCDF4
 import numpy as np
+import scipy.optimize
+import scipy.sparse as sparse
 import scipy.sparse.linalg
 
 import elements
@@ -85,3 +88,46 @@ def certify(scene, mesh, summary, path):
     errors["continuity"] = np.abs(u[clamped]).max(initial=0) / u_ref
     errors["field_equilibrium"] = np.linalg.norm(residual[~clamped]) / external
     return errors
+
+
+def _motions(x):
+    """Rigid motions [3 nodes x 6] about the middle."""
+    x = (x - x.mean(0)) / np.ptp(x, 0).max()
+    turns = [np.cross(axis, x).ravel() for axis in np.eye(3)]
+    return np.stack([*np.tile(np.eye(3), (len(x), 1)).T, *turns], 1)
+
+
+def _least_imbalance(scene, mesh, exchanged):
+    """Resultants on bodies without clamps that no contact force with friction can take, in parts of those of the loads (1-norms).
+
+    A linear programme: ellipses are replaced by polygons around them, so that what it cannot balance nothing can.
+    """
+    clamped, angle = clamped_nodes(scene, mesh), math.radians(scene.angle)
+    load = elements.areas_of(mesh, f"top{scene.bodies - 1}")[:, None] * (np.array([0, 0, -1.0]) + np.array(scene.pull))
+    bodies = [np.unique(block.connectivity) for block in mesh.blocks]
+    free = [nodes for nodes in bodies if not clamped[nodes].any()]
+    R = sparse.hstack([sparse.csr_matrix((_motions(mesh.coordinates[nodes]).ravel(), ((3 * nodes[:, None] + np.arange(3)).repeat(6),
+                       np.tile(np.arange(6), 3 * len(nodes)))), (load.size, 6)) for nodes in free])
+    columns, sides = [], []
+    for item in interfaces.interfaces_of(scene, mesh, clamped, exchanged):
+        t1 = np.array([math.cos(angle), math.sin(angle), 0])
+        for axis in (item.normal, scene.friction[0] * t1, scene.friction[1] * np.cross(item.normal, t1)):
+            columns.append(R.T @ sparse.kron(item.primary - item.secondary, axis[None]).T)
+        tangents = np.arange(0, 2 * math.pi, math.pi / 16)
+        sides.append(sparse.hstack([sparse.kron(np.stack([-np.ones(32), np.cos(tangents), np.sin(tangents)], 1)[:, [c]], sparse.eye(len(item.area)))
+                                    for c in range(3)]))
+    A, B, e = sparse.hstack(columns), sparse.block_diag(sides), -R.T @ load.ravel()
+    m, n = A.shape
+    bounds = [bound for item in sides for bound in [(0, None)] * (item.shape[1] // 3) + [(None, None)] * (item.shape[1] // 3 * 2)] + [(0, None)] * 2 * m
+    found = scipy.optimize.linprog(np.r_[np.zeros(n), np.ones(2 * m)], sparse.hstack([B, sparse.csr_matrix((B.shape[0], 2 * m))]), np.zeros(B.shape[0]),
+                                   sparse.hstack([A, sparse.eye(m), -sparse.eye(m)]), e, bounds, method="highs")
+    return found.fun / np.abs(e).sum()
+
+
+def has_no_solution(scene, mesh):
+    """Whether contact cannot hold the loads; which sides carry multipliers nobody told, so all ways are tried."""
+    if scene.held == "all bodies":
+        return False
+    tops = [f"top{body - 1}" for body in range(1, scene.bodies) if scene.is_mortar(body)]
+    ways = itertools.chain.from_iterable(itertools.combinations(tops, k) for k in range(len(tops) + 1))
+    return any(_least_imbalance(scene, mesh, way) > 1e-6 for way in ways)

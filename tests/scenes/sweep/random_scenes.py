@@ -135,7 +135,8 @@ def _box(n):
 
 def _free_tetrahedra(n):
     """gmsh's tetrahedra of size 1 in a box of these lengths."""
-    import gmsh  # only scenes that need it ask for it
+    import gmsh  # of wide_scenes alone
+
     gmsh.initialize(interruptible=False)
     gmsh.option.setNumber("General.Terminal", 0)
     gmsh.model.occ.addBox(0, 0, 0, *n)

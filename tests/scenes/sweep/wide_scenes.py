@@ -3,6 +3,7 @@
 import dataclasses
 import math
 
+import gmsh  # noqa: F401  here, so that who lacks it learns so at once
 import numpy as np
 
 import random_scenes
@@ -32,7 +33,7 @@ def draw(seed, index):
 
 
 def _slender(scene, rng):
-    """Plates, needles or towers of one aspect in elements of another, as far as _NODES allow; stiff enough not to be bent double."""
+    """Plates, needles or towers of one aspect in elements of another, as far as _NODES allow; where they bend stiff enough not to be bent double."""
     aspect, stretch = 10 ** rng.uniform(0, 2, 2)
     kind = str(rng.choice(["plates", "needles", "towers"]))
     thin = {"plates": (0, 0, 1), "needles": (0, 1, 1), "towers": (1, 1, 0)}[kind]
@@ -40,8 +41,9 @@ def _slender(scene, rng):
     across = (_NODES / (aspect / stretch) ** (3 - sum(thin))) ** (1 / 3)     # elements; along: aspect / stretch times as many
     most = {"plates": 44 if rng.random() < 0.1 else 20, "needles": 60, "towers": 60}[kind]        # 2000 pairs now and then
     counts = tuple(int(min(20 if is_thin else most, max(2 - is_thin, round(across * (1 if is_thin else aspect / stretch))))) for is_thin in thin)
+    stiffer = aspect ** 3 if kind != "towers" and scene.held != "contact" else 1.0
     return dataclasses.replace(scene, shape=kind, size=size, meshes=[BodyMesh(scene.meshes[0].shape, counts)] * scene.bodies,
-                               young=[float(E * aspect ** 3) for E in scene.young], gap=scene.gap * min(size))
+                               young=[float(E * stiffer) for E in scene.young], gap=scene.gap * min(size))
 
 
 def _meshes(scene, rng):
