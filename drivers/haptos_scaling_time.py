@@ -142,10 +142,11 @@ def counters(run):
 
 
 def check(work, rates_of, runs):
-    """Rows of CHECKED; seconds where every rank had a processor."""
-    rows = []
+    """Rows of CHECKED, at as many multiplications as the run took; seconds where every rank had a processor."""
+    rows, work_of_parts = [], work
     for (n, ranks, _), run in runs.items():
         elements = run["local"]["elements_all"]
+        work = dataclasses.replace(work_of_parts, multiplications=run["solver"]["hessian_multiplications"])
         pairs = [(name, value, counters(run)[name]) for name, value in quantities(work, elements, ranks).items()]
         if ranks <= processors(run):
             parts, told = seconds(work, rates_of(ranks), elements, ranks), told_seconds(run)

@@ -14,7 +14,7 @@ class SurfaceOperators;
 
 /// \brief M = B_D S B_D^T with B_D = (B W B^T)^+ B W; S the Schur complements (Dirichlet) or K_bb (lumped).
 ///
-/// S acts on the nodes on the surface of a subdomain.  Congruent subdomains share one S and are multiplied
+/// S acts on the unknowns that B touches; all others follow with least energy.  Congruent subdomains share one S and are multiplied
 /// together.  apply is Collective: one Import, one Export, and what `RowGram` sends where rows of pairs meet across ranks.
 /// Sources: Farhat and Roux 1991 (lumped), Farhat, Mandel and Roux 1994 (Dirichlet), Rixen and Farhat 1999 (scaling).
 class DualPreconditioner final : public Operator {

@@ -4,7 +4,11 @@
 #include <Tpetra_MultiVector.hpp>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
+
+#include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_SparseBlocks.hpp"
 
 namespace Haptos {
 namespace {
@@ -47,6 +51,16 @@ void addComponents(const Eigen::SparseMatrix<double>& K, Eigen::MatrixX3d& sums)
     for (Eigen::SparseMatrix<double>::InnerIterator it(K, i); it; ++it) sums(i, it.row() % 3) += std::abs(it.value());
 }
 
+// Of the places of entries, in 64 bits (FNV-1a, a word at a time).
+std::uint64_t fingerprintOfPattern(const Eigen::SparseMatrix<double>& K) {
+  std::uint64_t hash = 14695981039346656037u;
+  const auto add = [&](std::uint64_t word) { hash = (hash ^ word) * 1099511628211u; };
+  add(std::uint64_t(K.rows()));
+  add(std::uint64_t(K.nonZeros()));
+  std::for_each(K.innerIndexPtr(), K.innerIndexPtr() + K.nonZeros(), add);
+  return hash ^ (hash >> 32);  // what is high and mixed best counts in remainders, too
+}
+
 // An assignment of nothing would keep the memory.
 void letGo(Eigen::SparseMatrix<double>& K) { Eigen::SparseMatrix<double>().swap(K); }
 
@@ -58,6 +72,15 @@ bool differAtOnce(const Eigen::SparseMatrix<double>& A, const Eigen::SparseMatri
   for (Eigen::Index k : {Eigen::Index(0), n / 2, n - 1})
     if (std::abs(A.valuePtr()[k] - B.valuePtr()[k]) > 2 * kCongruenceTolerance * largest) return true;
   return false;
+}
+
+// Whether no motion without energy vanishes on these unknowns, or nearly: singular values of R there, against those of R spread evenly.
+bool holds(const Eigen::MatrixXd& R, const std::vector<int>& unknowns) {
+  constexpr double kHeld = 1e-3;
+  if (R.cols() == 0) return true;
+  if (Eigen::Index(unknowns.size()) < R.cols()) return false;
+  const double even = std::sqrt(double(unknowns.size()) / double(R.rows()));
+  return RightSvd(rowsOf(R, unknowns)).values.minCoeff() > kHeld * even;
 }
 
 bool congruent(const LocalSystem& a, const LocalSystem& b) {
@@ -85,9 +108,13 @@ void LocalSystems::assemble() {
   }
   // Nothing that stays lies between the stiffnesses: those let go leave room for factors, which are larger (decisions/019).
   for (int i = 0; i < count; ++i) {
-    if (copyOf_[i] >= 0) continue;
+    if (copyOf_[i] >= 0) {
+      systems_[i].pattern = systems_[copyOf_[i]].pattern;
+      continue;
+    }
     auto K = source_->assemble(i);
     systems_[i].K.swap(K);  // an assignment would copy
+    systems_[i].pattern = fingerprintOfPattern(systems_[i].K);
     addComponents(systems_[i].K, systems_[i].magnitude);
   }
 }
@@ -135,7 +162,7 @@ void LocalSystems::factor(LocalSolverMethod method) {
   factorizations_ += long(solvers_.size());
 }
 
-void LocalSystems::factor(const JumpOperator& jump, LocalSolverMethod method, LocalDual dual, double mayUse,
+void LocalSystems::factor(const TouchedUnknowns& touched, LocalSolverMethod method, LocalDual dual, double mayUse,
                           const std::function<void(int)>& lastUse) {
   findClasses();
   solvers_.clear();
@@ -146,7 +173,7 @@ void LocalSystems::factor(const JumpOperator& jump, LocalSolverMethod method, Lo
   for (int c = 0; c < numClasses(); ++c) {
     const int i = representative_[c];
     if (dual != LocalDual::Implicit) {
-      const auto boundary = boundaryOf(c, jump);
+      const auto boundary = boundaryOf(c, touched);
       const auto prediction = predictLocalCost(double(systems_[i].K.rows()), double(boundary.size()), members_[c].size());
       const bool wanted = dual == LocalDual::Explicit ||
                           (prediction.explicitSeconds < prediction.implicitSeconds && denseBytes_ + prediction.explicitBytes < mayUse);
@@ -167,11 +194,11 @@ void LocalSystems::makeFactor(int c, LocalSolverMethod method) {
 }
 
 // Rows moved: what is dense on a surface that rows leave or enter is made again, what is sparse does not know of rows.
-void LocalSystems::renewSurfaces(const JumpOperator& jump, LocalSolverMethod method, const std::function<void(int)>& lastUse) {
+void LocalSystems::renewSurfaces(const TouchedUnknowns& touched, LocalSolverMethod method, const std::function<void(int)>& lastUse) {
   for (int c = 0; c < numClasses(); ++c) {
     auto K = source_->assemble(representative_[c]);
     systems_[representative_[c]].K.swap(K);
-    const auto boundary = boundaryOf(c, jump);
+    const auto boundary = boundaryOf(c, touched);
     if (condensed_[c] && condensed_[c]->boundary() != boundary) {
       denseBytes_ -= denseBytesOf(c);
       condensed_[c].reset();
@@ -202,21 +229,15 @@ void LocalSystems::condenseLike(const LocalSystems& pattern) {
   }
 }
 
-// What the source calls surface, and all three unknowns of every node that rows touch in any member of the class.
-std::vector<int> LocalSystems::boundaryOf(int c, const JumpOperator& jump) const {
-  std::vector<int> dofs = source_->surface(representative_[c]);
-  std::vector<char> on(std::size_t(systems_[representative_[c]].K.rows()), 0);
-  for (int dof : dofs) on[dof] = 1;
-  const std::size_t before = dofs.size();
-  for (int member : members_[c])
-    for (int touched : jump.touchedDofs(member))
-      for (int dof = touched - touched % 3; dof < touched - touched % 3 + 3; ++dof)
-        if (!on[dof]) {
-          on[dof] = 1;
-          dofs.push_back(dof);
-        }
-  if (dofs.size() > before) std::sort(dofs.begin(), dofs.end());
-  return dofs;
+// What rows touch, and the rest is free to follow. With the whole surface where that does not hold the subdomain: K_ii would be singular.
+std::vector<int> LocalSystems::boundaryOf(int c, const TouchedUnknowns& touched) const {
+  const int i = representative_[c];
+  const std::vector<int>& dofs = touched.of(i);
+  if (holds(systems_[i].R(), dofs)) return dofs;
+  const std::vector<int> surface = source_->surface(i);
+  std::vector<int> all;
+  std::set_union(dofs.begin(), dofs.end(), surface.begin(), surface.end(), std::back_inserter(all));
+  return all;
 }
 
 // A class that cannot be condensed (its surface does not hold its interior) stays with the sparse factor, which

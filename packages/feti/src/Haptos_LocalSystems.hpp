@@ -2,15 +2,16 @@
 #pragma once
 #include <Eigen/Core>
 #include <Eigen/SparseCore>
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <vector>
 
-#include "Haptos_JumpOperator.hpp"
 #include "Haptos_DenseSurfaceMatrices.hpp"
 #include "Haptos_LocalSolver.hpp"
 #include "Haptos_Options.hpp"
 #include "Haptos_SubdomainStiffness.hpp"
+#include "Haptos_TouchedUnknowns.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -20,6 +21,7 @@ struct LocalSystem {
   Eigen::SparseMatrix<double> K;  ///< [n x n], both triangles; of one member of a class, and until LocalSystems lets it go
   std::shared_ptr<const Eigen::MatrixXd> kernel;  ///< R, shared by copies and with the factor
   Eigen::MatrixX3d magnitude;  ///< see LocalSystems::magnitude
+  std::uint64_t pattern = 0;  ///< fingerprint of the places of the entries of K
   int congruenceClass = 0;        ///< local to the rank; members share K, R and the factor
 
   const Eigen::MatrixXd& R() const { return *kernel; }  ///< [n x k], orthonormal columns, K R = 0
@@ -41,10 +43,10 @@ class LocalSystems {
 
   /// \brief Finds congruent subdomains and factors or condenses one of each class.
   ///
-  /// \param jump rows of B, whose unknowns a condensed subdomain keeps beside its surface
+  /// \param touched by rows of B: what a condensed subdomain keeps beside its surface
   /// \param mayUse bytes that dense matrices may take on this rank, as far as `dual` leaves the choice
   /// \param lastUse if given, called for every class, and K of it is let go after it: half of the memory
-  void factor(const JumpOperator& jump, LocalSolverMethod method, LocalDual dual, double mayUse = 4e9,
+  void factor(const TouchedUnknowns& touched, LocalSolverMethod method, LocalDual dual, double mayUse = 4e9,
               const std::function<void(int congruenceClass)>& lastUse = {});
 
   /// \brief Factors every class by `method`, without dense matrices.
@@ -56,13 +58,13 @@ class LocalSystems {
   const SubdomainStiffness& source() const { return *source_; }
   /// \brief Fits what depends on rows of B to other ones, after `factor`: dense matrices whose boundary has changed are made
   /// again, sparse factors stay.  \param lastUse as in `factor`: K of the class is there once more
-  void renewSurfaces(const JumpOperator& jump, LocalSolverMethod method, const std::function<void(int congruenceClass)>& lastUse);
+  void renewSurfaces(const TouchedUnknowns& touched, LocalSolverMethod method, const std::function<void(int congruenceClass)>& lastUse);
 
   int size() const { return int(systems_.size()); }
   int numClasses() const { return int(representative_.size()); }
   const LocalSystem& operator[](int i) const { return systems_[i]; }
-  /// \brief Unknowns of a class's surface, and of the nodes that a row of B touches in one of its members; ascending.
-  std::vector<int> boundaryOf(int congruenceClass, const JumpOperator& jump) const;
+  /// \brief Unknowns of a class that rows touch, ascending; with those of its surface where they do not hold it.
+  std::vector<int> boundaryOf(int congruenceClass, const TouchedUnknowns& touched) const;
 
   /// \brief K of a class, as long as it is kept.
   const Eigen::SparseMatrix<double>& stiffness(int congruenceClass) const { return systems_[representative_[congruenceClass]].K; }

@@ -10,7 +10,10 @@ Eigen::VectorXd estimateDiagonal(const Eigen::SparseMatrix<double>& K, const std
   const double factor = kind == PreconditionerKind::Dirichlet ? kSchurOfStiffness : 1.0;
   Eigen::VectorXd d(Eigen::Index(boundary.size()));
   for (std::size_t i = 0; i < boundary.size(); ++i) d[Eigen::Index(i)] = factor * K.coeff(boundary[i], boundary[i]);
-  for (Eigen::Index i = 0; i + 2 < d.size(); i += 3) d.segment<3>(i).setConstant(d.segment<3>(i).mean());  // whatever the axes
+  for (Eigen::Index i = 0, end = 0; i < d.size(); i = end) {  // node by node: whatever the axes
+    while (end < d.size() && boundary[std::size_t(end)] / 3 == boundary[std::size_t(i)] / 3) ++end;
+    d.segment(i, end - i).setConstant(d.segment(i, end - i).mean());
+  }
   return d;
 }
 
@@ -19,20 +22,20 @@ Eigen::VectorXd estimateDiagonal(const Eigen::SparseMatrix<double>& K, const std
 SurfaceOperators::SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble)
     : kind_(kind), method_(method), inDouble_(std::move(inDouble)) {}
 
-SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const JumpOperator& jump, PreconditionerKind kind,
+SurfaceOperators::SurfaceOperators(const LocalSystems& systems, const TouchedUnknowns& touched, PreconditionerKind kind,
                                    LocalSolverMethod method, std::vector<char> inDouble)
     : SurfaceOperators(kind, method, std::move(inDouble)) {
-  while (numClasses() < systems.numClasses()) add(systems, jump);
+  while (numClasses() < systems.numClasses()) add(systems, touched);
 }
 
 // The dense S that K^+ came with, or solves with K_ii; in double by solves where soft motions live in the last digits of S.
-void SurfaceOperators::add(const LocalSystems& systems, const JumpOperator& jump) {
+void SurfaceOperators::add(const LocalSystems& systems, const TouchedUnknowns& touched) {
   const int c = numClasses(), first = systems.members()[c].front();
   const auto& K = systems.stiffness(c);
   const bool exact = std::size_t(first) < inDouble_.size() && inDouble_[std::size_t(first)];
   const auto* dense = kind_ == PreconditionerKind::Dirichlet ? systems.condensationOf(c) : nullptr;
   Class made;
-  made.boundary = dense ? dense->boundary() : systems.boundaryOf(c, jump);
+  made.boundary = dense ? dense->boundary() : systems.boundaryOf(c, touched);
   made.diagonal = estimateDiagonal(K, made.boundary, kind_);
   if (!exact) made.condensed = dense;
   made.isDouble = exact;

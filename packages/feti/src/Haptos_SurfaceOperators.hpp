@@ -9,7 +9,8 @@
 
 namespace Haptos {
 
-/// \brief The Schur complement S on the surface of a subdomain, or K_bb when lumped, for every class of congruent subdomains.
+/// \brief The Schur complement S on the unknowns of a subdomain that rows of B touch, or K_bb when lumped, for every class of congruent
+/// subdomains.
 ///
 /// Made class by class while K is there; later K is not needed.  Nothing here communicates.
 class SurfaceOperators {
@@ -18,13 +19,13 @@ class SurfaceOperators {
   SurfaceOperators(PreconditionerKind kind, LocalSolverMethod method, std::vector<char> inDouble = {});
 
   /// \brief Those of all classes at once.
-  SurfaceOperators(const LocalSystems& systems, const JumpOperator& jump, PreconditionerKind kind, LocalSolverMethod method,
+  SurfaceOperators(const LocalSystems& systems, const TouchedUnknowns& touched, PreconditionerKind kind, LocalSolverMethod method,
                    std::vector<char> inDouble = {});
 
   /// \brief The next class, whose K must be there; its dense matrices, if it has some, must outlive this object.
   ///
-  /// \param jump rows of B: nodes inside that it touches, as prescribed ones, count as surface
-  void add(const LocalSystems& systems, const JumpOperator& jump);
+  /// \param touched what is not free to follow
+  void add(const LocalSystems& systems, const TouchedUnknowns& touched);
 
   int numClasses() const { return int(classes_.size()); }
   const std::vector<int>& boundary(int congruenceClass) const { return classes_[congruenceClass].boundary; }  ///< local dofs
@@ -34,7 +35,7 @@ class SurfaceOperators {
   Eigen::MatrixXd block(int congruenceClass, const std::vector<int>& c) const;
   /// \brief Whether S is kept in double precision.
   bool isDouble(int congruenceClass) const { return classes_[congruenceClass].isDouble; }
-  /// \brief Estimate of diag(S) from K_bb [boundary], the mean of a node's three: exact it costs a solve for every unknown and
+  /// \brief Estimate of diag(S) from K_bb [boundary], the mean of a node's: exact it costs a solve for every unknown and
   /// serves no better.
   const Eigen::VectorXd& diagonal(int congruenceClass) const { return classes_[congruenceClass].diagonal; }
   /// \brief Of the factors of K_ii, or of a dense S, whose making is in LocalSystems::work; bytes: of all applications so far.

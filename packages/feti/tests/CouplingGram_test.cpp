@@ -59,7 +59,7 @@ void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& succ
   const Dense reference = denseM(scene, PreconditionerKind::Dirichlet);
   const auto M = Teuchos::rcp(new DualPreconditioner(
       feti.dealt.jump, feti.systems,
-      SurfaceOperators(*feti.systems, *feti.dealt.jump, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic,
+      SurfaceOperators(*feti.systems, {*feti.systems, *feti.dealt.jump}, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic,
                        std::vector<char>(feti.dealt.mine.size(), 1))));
   const auto block = Teuchos::rcp(new ContactBlock(M));
   TEST_ASSERT(largest(denseOf(*M) - reference) < kRoundOff * largest(reference));

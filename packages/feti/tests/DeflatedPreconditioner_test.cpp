@@ -32,7 +32,7 @@ struct Setup {
     const std::vector<char> all(slender.size(), 1);
     M = Teuchos::rcp(new DualPreconditioner(
         feti.dealt.jump, feti.systems,
-        SurfaceOperators(*feti.systems, *feti.dealt.jump, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
+        SurfaceOperators(*feti.systems, {*feti.systems, *feti.dealt.jump}, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
     deflated = DeflatedPreconditioner::make(M, slender);
   }
 

@@ -1,20 +1,25 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // The preconditioner of a small scene as a dense matrix.
 #pragma once
+#include <algorithm>
 #include <set>
 
 #include "FetiScene.hpp"
-#include "Haptos_SubdomainSurface.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos::Testing {
 
-/// Unknowns of the surface and of nodes that rows touch.
+inline bool samePattern(const Subdomain& a, const Subdomain& b) {
+  return std::equal(a.groups.begin(), a.groups.end(), b.groups.begin(), b.groups.end(), [](const auto& x, const auto& y) {
+    return x.topology == y.topology && x.connectivity == y.connectivity;
+  });
+}
+
+/// Unknowns that rows touch in a subdomain or in one whose K has the same pattern.
 inline std::vector<int> boundaryOf(const Scene& scene, const Subdomain& sub) {
-  const auto surface = surfaceDofs(sub.groups, sub.numNodes());
-  std::set<int> all(surface.begin(), surface.end());
+  std::set<int> all;
   for (const auto& entry : scene.rows.entries)
-    for (int d = 0; d < 3 && entry.subdomain == sub.id; ++d) all.insert(entry.dof - entry.dof % 3 + d);
+    if (samePattern(scene.subdomains[std::size_t(entry.subdomain)], sub)) all.insert(entry.dof);
   return {all.begin(), all.end()};
 }
 

@@ -44,7 +44,7 @@ inline Feti makeFeti(const RCP<const Communicator>& comm, const Scene& scene, Lo
   feti.dealt = deal(comm, scene);
   feti.systems = Teuchos::rcp(new LocalSystems(makeStiffness(feti.dealt.mine, scene)));
   feti.systems->assemble();
-  feti.systems->factor(*feti.dealt.jump, LocalSolverMethod::Automatic, dual);
+  feti.systems->factor(TouchedUnknowns(*feti.systems, *feti.dealt.jump), LocalSolverMethod::Automatic, dual);
   feti.F = Teuchos::rcp(new DualOperator(feti.dealt.jump, feti.systems));
   feti.G = Teuchos::rcp(new NaturalCoarseSpace(feti.dealt.jump, *feti.systems));
   return feti;

@@ -25,7 +25,7 @@ class SubdomainStiffness {
   /// \brief R [n x k] with orthonormal columns, K R = 0 and nothing else without energy; k >= 1.
   virtual Eigen::MatrixXd kernel(int i) const = 0;
 
-  /// \brief Unknowns on the surface, ascending: those of the Dirichlet preconditioner beside the ones in rows of B.
+  /// \brief Unknowns on the surface, ascending: those of the Dirichlet preconditioner where rows of B alone do not hold the subdomain.
   virtual std::vector<int> surface(int i) const = 0;
 
   /// \brief An earlier subdomain that has the same K and R, as far as that is known without them; -1: none.

@@ -48,6 +48,7 @@ void FetiSystem::assemble() {
 // B, G and what depends on these alone.
 void FetiSystem::useRows() {
   jump_ = Teuchos::rcp(new JumpOperator(model_.multipliers, model_.firstSubdomain, sizesOf(*model_.stiffness)));
+  touched_ = std::make_unique<TouchedUnknowns>(*systems_, *jump_);
   G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_));
   bodies_ = std::make_unique<BodyMotions>(*G_, *systems_, model_.bodies, model_.bodyNames);
   unheld_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing; });
@@ -83,8 +84,8 @@ void FetiSystem::factor(const LocalSolverOptions& options, std::optional<Precond
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), localMethod_);
   const double mayUse = 0.5 * physicalMemoryBytes() / ranksOfMachine(*model_.comm);
   runOnAllRanks(*model_.comm, [&] {
-    systems_->factor(*jump_, localMethod_, options.dual, mayUse, [&](int) {
-      if (kind_ && !model_.softened) surface.add(*systems_, *jump_);
+    systems_->factor(*touched_, localMethod_, options.dual, mayUse, [&](int) {
+      if (kind_ && !model_.softened) surface.add(*systems_, *touched_);
     });
   });
   makePreconditioner(std::move(surface));
@@ -107,7 +108,7 @@ RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, boo
     if (dense) systems->condenseLike(*systems_);
     else systems->findClasses();
     for (int c = 0; c < systems->numClasses(); ++c) {
-      surface.add(*systems, *jump_);
+      surface.add(*systems, *touched_);
       systems->releaseStiffness(c);
     }
   });
@@ -152,8 +153,8 @@ void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
   dual_ = {};
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), localMethod_);
   runOnAllRanks(*model_.comm, [&] {
-    systems_->renewSurfaces(*jump_, localMethod_, [&](int) {
-      if (kind_ && !model_.softened) surface.add(*systems_, *jump_);
+    systems_->renewSurfaces(*touched_, localMethod_, [&](int) {
+      if (kind_ && !model_.softened) surface.add(*systems_, *touched_);
     });
   });
   makePreconditioner(std::move(surface));

@@ -9,6 +9,7 @@
 #include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_DualProblem.hpp"
 #include "Haptos_SystemModel.hpp"
+#include "Haptos_TouchedUnknowns.hpp"
 
 namespace Haptos {
 
@@ -45,6 +46,7 @@ class FetiSystem {
   const LocalSystems& systems() const { return *systems_; }
   int kernelDimension() const { return G_->dimension(); }  ///< l
   const BodyMotions& bodies() const { return *bodies_; }
+  const UnheldMotions& unheldMotions() const { return unheld_; }  ///< of bodies that no row holds: balanced loads may act on them
   const UnheldMotions& floatingMotions() const { return floating_; }  ///< of bodies that contact alone holds, if anything
   const StepData& step() const { return step_; }
   const Vector& f() const { return *step_.f; }
@@ -67,6 +69,7 @@ class FetiSystem {
   SystemModel model_;
   ContactLaw law_;
   RCP<JumpOperator> jump_;
+  std::unique_ptr<TouchedUnknowns> touched_;
   RCP<LocalSystems> systems_;
   RCP<NaturalCoarseSpace> G_;
   std::unique_ptr<BodyMotions> bodies_;

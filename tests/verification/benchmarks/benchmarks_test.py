@@ -18,6 +18,7 @@ except ImportError as missing:
 
 import cgs4
 import crack
+import half_spaces
 import hertz
 import partial_slip
 import refinement
@@ -60,6 +61,16 @@ class Small(Benchmark):
             result = runs.read(self.folder / f"{scene}_{shape}_{n}")     # nodes of the secondary side have the multipliers themselves
             total = np.sum(result.fields["contact_normal_force"][result.body == 0])
             self.assert_small(total / result.summary["contact"]["joint"]["normal_force"] - 1, 1e-9)
+
+    def test_counts_on_thin_graded_meshes(self):
+        """One layer of flat and long elements on rollers: contact, tied."""
+        for shape, thickness, most, tied in (("HEX8", 1.0, 18, 16), ("HEX20", 1.0, 36, 45), ("HEX20", 0.3, 30, 30), ("TETRA10", 1.0, 50, 70),
+                                             ("TETRA10", 0.3, 60, 80)):
+            for law, bound in (({}, most), ({"Friction": {"Law": "Tied"}}, tied)):
+                with self.subTest(shape=shape, thickness=thickness, **law):
+                    folder = self.folder / f"{shape}_{thickness}_{len(law)}"
+                    result = half_spaces.press(folder, shape, 8, hertz.CYLINDER, tolerance=1e-6, thickness=thickness, **law)
+                    self.assertLessEqual(result.multiplications, bound)
 
     def test_crack(self):
         row = crack.measure(self.folder, "HEX8", 8)

@@ -78,12 +78,14 @@ def line_field(load, upper, depth):
     return [across, "0", f"{down} - {load.approach}" if upper else f"0-({down})"]
 
 
-def block(shape, n, upper, mirrored, line=False):
-    """n: elements a contact radius.  :param mirrored: axes along which both halves are modelled"""
+def block(shape, n, upper, mirrored, thickness=None):
+    """n: elements a contact radius.  :param mirrored: axes along which both halves are modelled
+    :param thickness: of a line contact"""
+    line = thickness is not None
     half = graded(max(2, round(REACH * n)), REACH, SIZE)
     axes = [np.concatenate([-half[:0:-1], half]) if axis in mirrored else half for axis in "xy"]
     if line:
-        axes[1] = np.array([0, THICKNESS])
+        axes[1] = np.array([0, thickness])
     depth = graded(max(1, round(0.75 * DEPTH * n)), DEPTH, SIZE)
     names = {f"{axis}-": "outer" if axis in mirrored else f"on_{axis}" for axis in "xy"}
     names |= {"x+": "outer", "y+": "on_y" if line else "outer"}
@@ -97,14 +99,18 @@ def block(shape, n, upper, mirrored, line=False):
     return brick(shape, [*axes, -depth[::-1]], {**names, "z+": "lower_contact", "z-": "lower_outer"})
 
 
-def press(folder, shape, n, load, mirrored="", ratio=0.75, tolerance=1e-7):
-    """Solves; n elements a contact radius above, n ratio below.  Axes that are not mirrored are planes of symmetry."""
-    bodies = {"upper": block(shape, n, True, mirrored, load.line), "lower": block(shape, n * ratio, False, mirrored, load.line)}
+def press(folder, shape, n, load, mirrored="", ratio=0.75, tolerance=1e-7, thickness=THICKNESS, **more):
+    """Solves; n elements a contact radius above, n ratio below.  Axes that are not mirrored are planes of symmetry.
+
+    :param more: of the contact
+    """
+    depth = thickness if load.line else None
+    bodies = {"upper": block(shape, n, True, mirrored, depth), "lower": block(shape, n * ratio, False, mirrored, depth)}
     conditions = {f"far {b}": {"Type": "Displacement", "Sets": [f"{b}_outer"], "Components": "xyz", "Value": far_field(load, b == "upper")}
                   for b in bodies}
     conditions |= {f"symmetry {axis}": displacement([f"on_{axis}"], (0.0,), axis) for axis in "xy" if axis not in mirrored}
     return solve(folder, bodies, {"one": material(bodies, load.young, load.poisson)}, conditions,
-                 {"joint": contact("upper_contact", "lower_contact", load.friction, Sides="As Given")}, tolerance)
+                 {"joint": contact("upper_contact", "lower_contact", load.friction, Sides="As Given", **more)}, tolerance)
 
 
 @dataclasses.dataclass
