@@ -29,28 +29,31 @@ Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multi
   return eigen.vectors.leftCols(k);
 }
 
-// Work of the contact forces of every owned pair on the free motions: 3 rows a pair.
+// Coulomb's cone with all three components in it, which the law of a pair is not: forces are asked for, not motions.
+bool isCone(const PairLaw& pair) { return pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned; }
+
+// Work of the contact forces of every owned pair on the free motions: 3 rows a pair.  Those of a cone belong to (lambda_N, F^-1 lambda_T), in
+// which it is circular: on flat ones (coefficients 3000 times apart) Newton's method got nowhere, here it takes a few steps.
 SparseRows pairRows(const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& N) {
   std::vector<Eigen::Triplet<double>> triplets;
-  const auto add = [&](int target, int row) {
-    if (row < 0) return;
+  const auto add = [&](int target, int row, double scale) {
+    if (row < 0 || scale == 0) return;
     const Eigen::VectorXd r = (GZ.row(row) * N).transpose();
     for (Eigen::Index j = 0; j < r.size(); ++j)
-      if (r[j] != 0.0) triplets.emplace_back(target, int(j), r[j]);
+      if (r[j] != 0.0) triplets.emplace_back(target, int(j), scale * r[j]);
   };
   for (std::size_t i = 0; i < law.pairs().size(); ++i) {
-    add(3 * int(i), law.pairs()[i].normal);
-    for (int t = 0; t < 2; ++t) add(3 * int(i) + 1 + t, law.pairs()[i].tangential[t]);
+    const PairLaw& pair = law.pairs()[i];
+    add(3 * int(i), pair.normal, 1);
+    for (std::size_t t = 0; t < 2; ++t) add(3 * int(i) + 1 + int(t), pair.tangential[t], isCone(pair) ? pair.coefficients[t] : 1);
   }
   SparseRows H(3 * Eigen::Index(law.pairs().size()), N.cols());
   H.setFromTriplets(triplets.begin(), triplets.end());
   return H;
 }
 
-// Coulomb's cone with all three components in it, which the law of a pair is not: forces are asked for, not motions.
 ConeProjection projectPair(const PairLaw& pair, const std::array<double, 3>& x) {
-  if (pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned)
-    return projectOntoFrictionCone(x, pair.coefficients);
+  if (isCone(pair)) return projectOntoFrictionCone(x, {1, 1});
   const PairProjection p = pair.project(x);
   return {p.point, p.dPdx};
 }

@@ -92,6 +92,19 @@ TEUCHOS_UNIT_TEST(LoadAdmissibility, SlidingLimitOfAnOrthotropicBlock) {
   }
 }
 
+// ANALYTIC, the same with a coefficient next to nothing: the other direction still carries what it carries.
+TEUCHOS_UNIT_TEST(LoadAdmissibility, SlidingLimitOfAFlatCone) {
+  for (const std::array<double, 2> F : {std::array<double, 2>{1.3e-4, 0.38}, {0.17, 8e-5}, {0.3, 0.0}}) {
+    const Block block({FrictionLaw::Coulomb, F, 0});
+    for (double degrees : {0.0, 2.0, 30.0, 80.0, 90.0}) {
+      const double a = degrees * M_PI / 180, t[2] = {std::cos(a), F[1] > 0 ? std::sin(a) : 0};
+      const double limit = 1.0 / std::hypot(t[0] / F[0], F[1] > 0 ? t[1] / F[1] : 0);
+      for (double part : {0.06, 0.26, 0.5, 0.98}) TEST_EQUALITY(block.refusal(onTop({part * limit * t[0], part * limit * t[1], -1})), "");
+      if (limit * t[0] > 0) TEST_INEQUALITY(block.refusal(onFoot({2 * limit * t[0], 2 * limit * t[1], -1})), "");
+    }
+  }
+}
+
 // The motion that is named slides along the force (and lifts: the law is associated).
 TEUCHOS_UNIT_TEST(LoadAdmissibility, NamesTheDirectionOfSlip) {
   const Block block({FrictionLaw::Coulomb, {0.3, 0.15}, 0});
