@@ -14,7 +14,9 @@ namespace Haptos {
 // - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction a step.  It decides how far to go, and is summed anew by the next
 // step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so that H^T r stays 0; W^T z follows as r^T z does.
 Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
-  const auto& [H, W] = known;
+  const Eigen::MatrixXd none(b.size(), 0);  // products want its rows
+  const bool isAny = known.motions.cols() > 0;
+  const auto &H = isAny ? known.motions : none, &W = isAny ? known.images : none;
   const auto summed = [&](Eigen::VectorXd values) {
     if (values.size() > 0) vectors.sum(values);
     return values;
