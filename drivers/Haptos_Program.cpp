@@ -3,6 +3,8 @@
 
 #include <mpi.h>
 
+#include <algorithm>
+#include <cctype>
 #include <cstdio>
 #include <iostream>
 
@@ -89,9 +91,10 @@ int runCommand(const RCP<const Communicator>& comm, int argc, char* argv[]) {
   return runSimulation(comm, line);
 }
 
-/// A message repeats what was given, which may be as long as it likes.
-std::string shortened(const std::string& message) {
+/// A message repeats what was given, which may be as long as it likes and have any signs in it; the message is one line.
+std::string shortened(std::string message) {
   constexpr std::size_t most = 1000;
+  std::replace_if(message.begin(), message.end(), [](unsigned char sign) { return std::iscntrl(sign) != 0; }, ' ');
   return message.size() <= most ? message : message.substr(0, most / 2) + " [...] " + message.substr(message.size() - most / 2);
 }
 

@@ -53,6 +53,9 @@ class WrongParameters(WrongInput):
     def test_unknown_option(self):
         self.refuse(stack(), "--validate", "--validate-only", arguments=["--validate"])
 
+    def test_line_break_in_a_name(self):
+        self.refuse(stack(), "'--sum mary'", arguments=["--sum\nmary"])
+
     def test_wrong_type(self):
         self.refuse(stack(Decomposition__Subdomains="four"), "Decomposition->Subdomains", "int")
 
