@@ -14,7 +14,7 @@ packages=(
 )
 # Needed for `test` only: Fortran, a Python environment and the libraries that the wheels of gmsh and VTK load.
 test_packages=(gfortran python3-venv libgl1 libglu1-mesa libxrender1 libxcursor1 libxft2 libxinerama1)
-python_packages=(netCDF4 scipy gmsh pyvista matplotlib mpi4py)     # go to build/venv; tests that need them are skipped without
+python_packages=(netCDF4 h5py scipy gmsh pyvista matplotlib mpi4py)     # go to build/venv; tests that need them are skipped without
 
 root=$(cd -- "$(dirname -- "${BASH_SOURCE[0]}")" && pwd -P)
 preset=release

@@ -14,6 +14,7 @@ import json
 import os
 import pathlib
 import random
+import shlex
 import shutil
 import subprocess
 import sys
@@ -27,12 +28,19 @@ try:
     import netCDF4
     import mutations
     import netcdf_classic
+    if "hdf5 structure" in sys.argv:
+        import hdf5_mutations
 except ImportError as missing:
     print(f"skipped: {missing}")
     sys.exit(77)
 import haptos_runs
 
 KINDS = {"xml": 8, "exodus structure": 5, "exodus bytes": 3, "hdf5 bytes": 2, "command line": 2}
+ALONE = "hdf5 structure"  # slow: drawn by --kind alone
+# Reports go to files, of faults too, as a trial has no stderr; short stacks and little memory that waits, for speed.
+SANITIZER = ":".join(["detect_leaks=0", "allocator_may_return_null=1", "log_path=sanitizer", "malloc_context_size=3", "quarantine_size_mb=48",
+                      *(f"handle_{signal}=2" for signal in ("segv", "sigbus", "sigfpe", "sigill", "abort"))])
+TRIAL_SECONDS = 20  # then it is ended, without a report
 ALLOWED_MB = 400  # beside a scene of a few hundred unknowns; its own peak is below 40
 
 
@@ -64,10 +72,11 @@ def _as_hdf5(source, target):
     return target.read_bytes()
 
 
-def make_input(seeds, seed, number, folder):
+def make_input(seeds, options, number, folder):
     """Writes the files of one input and returns (kind, arguments)."""
-    chance = random.Random(f"{seed} {number}")
-    kind = chance.choices(list(KINDS), KINDS.values())[0]
+    chance = random.Random(f"{options.seed} {number}")
+    drawn = chance.choices(list(KINDS), KINDS.values())[0]
+    kind = options.kind or drawn
     scene, mesh, arguments = seeds.scenes[0].encode(), seeds.mesh, ["scene.xml"]
     if kind == "xml":
         scene = mutations.mutate_xml(chance, chance.choice(seeds.scenes))
@@ -79,6 +88,10 @@ def make_input(seeds, seed, number, folder):
         mesh = mutations.mutate_bytes(chance, seeds.mesh)
     elif kind == "hdf5 bytes":
         mesh = mutations.mutate_bytes(chance, seeds.hdf5, kinds=(0, 1, 4, 5))  # its length is kept: the library looks at it first
+    elif kind == ALONE and chance.random() < 0.5:
+        mesh = hdf5_mutations.mutate_plain(chance, seeds.exodus)
+    elif kind == ALONE:
+        mesh = hdf5_mutations.mutate_objects(chance, seeds.hdf5)
     else:
         arguments = mutations.command_line(chance, "scene.xml")
     (folder / "scene.xml").write_bytes(scene)
@@ -89,42 +102,82 @@ def make_input(seeds, seed, number, folder):
 class Server:
     """haptos_fuzz_server in a folder of its own; started again where it should end."""
 
-    def __init__(self, program, folder, seconds):
-        self.start = {"args": [program, str(seconds)], "cwd": folder, "stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "text": True,
+    def __init__(self, options, folder):
+        ranks = [] if options.ranks == 1 else [*shlex.split(options.mpirun), "-n", str(options.ranks)]
+        stay = ["--stay"] if options.stay or ranks else []
+        self.start = {"args": [*ranks, options.server, *stay, str(options.seconds)], "cwd": folder, "stdin": subprocess.PIPE, "stdout": subprocess.PIPE,
+                      "stderr": subprocess.DEVNULL if ranks else None, "text": True,
                       "env": {"OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
-                              "ASAN_OPTIONS": "detect_leaks=0:allocator_may_return_null=0", "UBSAN_OPTIONS": "print_stacktrace=1", **os.environ}}
+                              "OMPI_MCA_mpi_yield_when_idle": "1",
+                              **os.environ, "UBSAN_OPTIONS": "print_stacktrace=1",
+                              "ASAN_OPTIONS": SANITIZER + ":" + os.environ.get("ASAN_OPTIONS", "")}}
+        self.is_sanitized = b"__asan_init" in pathlib.Path(options.server).read_bytes()
         self.process = subprocess.Popen(**self.start)
 
     def run(self, arguments):
         self.process.stdin.write("".join(a.encode("utf-8", "surrogateescape").hex() + "," for a in arguments) + "\n")
         self.process.stdin.flush()
-        status, seconds, megabytes = self.process.stdout.readline().split()
-        return int(status), float(seconds), float(megabytes)
+        answer = self.process.stdout.readline().split()
+        if len(answer) != 3:  # a server that stays went with the run; mpirun tells the signal as the shell does
+            code = self.process.wait()
+            self.process = subprocess.Popen(**self.start)
+            return code if code < 0 else 128 - code if code > 128 else -98, 0.0, 0.0
+        return int(answer[0]), float(answer[1]), float(answer[2])
 
     def stop(self):
         self.process.stdin.close()
         self.process.wait()
 
 
-def complaint(folder, arguments, status, megabytes):
+LIBRARIES = ("libhdf5", "libnetcdf", "libexoIIv2", "libsz", "libz.")
+
+
+def is_of_libraries(report):
+    """Whether a sanitizer's report speaks of code and memory of the libraries alone: then they would harm themselves only."""
+    stacks = [[line for line in part.splitlines() if line.lstrip().startswith("#") and "sanitizer" not in line and "libasan" not in line]
+              for part in report.split("\n\n")]
+    tops = [stack[0] for stack in stacks if stack]
+    return bool(tops) and all(any(library in top for library in LIBRARIES) for top in tops)
+
+
+ON_TRIAL = "ends in a fault of the HDF5 library"
+
+
+def text_of(path):
+    return path.read_text(errors="replace") if path.exists() else ""
+
+
+def finding(folder, err, is_trial_explained):
+    """The first line of what a sanitizer tells.  What it finds in the libraries on trial ends the trial, as any fault there does."""
+    reports = [text_of(path) for path in folder.glob("sanitizer.*")]
+    for report in [*(r for r in reports if not is_of_libraries(r)), *([err] if "runtime error" in err else [])]:
+        lines = [line.strip() for line in report.splitlines() if line.strip("= ")]
+        return " ".join(lines[:1] + [line for line in lines if line.startswith("#") and "Haptos" in line][:1])
+    if ON_TRIAL in err and not reports and not is_trial_explained:
+        return "a trial ends without a report"
+    return None
+
+
+def complaint(folder, status, megabytes, is_trial_explained):
     """What is wrong with the end of a run, or None."""
-    out, err = ((folder / name).read_text(errors="replace") for name in ("out", "err"))
+    err = text_of(folder / "err")
     lines = [line for line in err.splitlines() if line.strip()]
+    found = finding(folder, err, is_trial_explained)
+    if found:
+        return f"sanitizer: {found}"
     if status == -14:
         return "hangs"
     if status not in (0, 1, 2, 3):
         return f"status {status}: {lines[-1] if lines else ''}"
     if megabytes > ALLOWED_MB:
         return f"takes {megabytes:.0f} MB"
-    if "Sanitizer" in err or "runtime error" in err:
-        return "sanitizer"
     if status not in (1, 3):
         return None
     if len(lines) != 1 or not lines[0].startswith("haptos: ") or len(lines[0]) > 2000:
         return f"status {status} with {len(lines)} lines on stderr"
     if any(word in err for word in ("Throw ", ".cpp", "Teuchos", "internal error")):
         return "speaks of its inside"
-    left = {p.name for p in folder.iterdir()} - {"scene.xml", "stack.exo", "out", "err"}
+    left = {p.name for p in folder.iterdir() if not p.name.startswith("sanitizer.")} - {"scene.xml", "stack.exo", "out", "err"}
     return f"leaves {sorted(left)}" if left else None
 
 
@@ -134,23 +187,27 @@ def clean(folder):
 
 
 def work(seeds, numbers, folder, options, note):
-    server = Server(options.server, folder, options.seconds)
+    server = Server(options, folder)
     for number in numbers:
         clean(folder)
-        kind, arguments = make_input(seeds, options.seed, number, folder)
+        kind, arguments = make_input(seeds, options, number, folder)
         status, seconds, megabytes = server.run(arguments)
-        note(number, kind, status, seconds, megabytes, complaint(folder, arguments, status, megabytes))
+        wrong = complaint(folder, status, megabytes, not server.is_sanitized or seconds > TRIAL_SECONDS)
+        note(number, kind, (status, ON_TRIAL in text_of(folder / "err")), seconds, megabytes, wrong)
     server.stop()
 
 
 class Notes:
     def __init__(self, total):
+        self.on_trial = collections.Counter()
         self.ends, self.worst, self.complaints = collections.Counter(), collections.defaultdict(lambda: [0.0, 0.0]), []
         self.total, self.lock = total, threading.Lock()
 
-    def __call__(self, number, kind, status, seconds, megabytes, wrong):
+    def __call__(self, number, kind, end, seconds, megabytes, wrong):
+        status, on_trial = end
         with self.lock:
             self.ends[kind, status] += 1
+            self.on_trial[kind] += on_trial
             worst = self.worst[kind]
             worst[:] = max(worst[0], seconds), max(worst[1], megabytes)
             if wrong:
@@ -159,11 +216,11 @@ class Notes:
 
     def print_table(self):
         statuses = sorted({s for _, s in self.ends})
-        print("| kind | inputs | " + " | ".join(f"status {s}" for s in statuses) + " | longest [s] | most memory [MB] |")
-        print("|---" * (len(statuses) + 4) + "|")
-        for kind in KINDS:
+        print("| kind | inputs | " + " | ".join(f"status {s}" for s in statuses) + " | fault on trial | longest [s] | most memory [MB] |")
+        print("|---" * (len(statuses) + 5) + "|")
+        for kind in sorted(self.worst):
             counts = [self.ends[kind, s] for s in statuses]
-            print(f"| {kind} | {sum(counts)} | " + " | ".join(map(str, counts)) + " | {:.1f} | {:.0f} |".format(*self.worst[kind]))
+            print(f"| {kind} | {sum(counts)} | " + " | ".join(map(str, counts)) + " | {} | {:.1f} | {:.0f} |".format(self.on_trial[kind], *self.worst[kind]))
 
 
 def main():
@@ -174,8 +231,12 @@ def main():
     parser.add_argument("--first", type=int, default=0)
     parser.add_argument("--count", type=int, default=1000)
     parser.add_argument("--only", type=int)
+    parser.add_argument("--kind", choices=[*KINDS, ALONE], help="all inputs of one kind; else five are drawn")
     parser.add_argument("--keep", type=pathlib.Path)
     parser.add_argument("--workers", type=int, default=1)
+    parser.add_argument("--stay", action="store_true", help="all runs in one process: fast, but one may spoil the next")
+    parser.add_argument("--ranks", type=int, default=1, help="more than one stay")
+    parser.add_argument("--mpirun", default="mpirun --oversubscribe --bind-to none")
     parser.add_argument("--seconds", type=int, default=60)
     parser.add_argument("--figures", type=pathlib.Path, help="JSON")
     options = parser.parse_args()
@@ -195,7 +256,7 @@ def main():
             thread.join()
     notes.print_table()
     if options.figures:
-        options.figures.write_text(json.dumps({"seed": options.seed, "count": len(numbers), "complaints": notes.complaints,
+        options.figures.write_text(json.dumps({"seed": options.seed, "count": len(numbers), "complaints": notes.complaints, "on_trial": notes.on_trial, "worst": notes.worst,
                                                "ends": {f"{k}: {s}": n for (k, s), n in sorted(notes.ends.items())}}, indent=1) + "\n")
     done = sum(notes.ends.values())
     print(f"{done} of {len(numbers)} inputs, {len(notes.complaints)} complaints")

@@ -185,6 +185,17 @@ class ClassicHeader {
   std::vector<Variable> variables_;
 };
 
+/// Of data, beyond what this process has; in pages behind the fifth number of statm, see proc(5).
+void limitMemory(double bytes) {
+  std::ifstream statm("/proc/self/statm");
+  double pages = 0;
+  for (int i = 0; i < 6; ++i) statm >> pages;
+  if (!statm) return;  // not Linux
+  const auto most = rlim_t(pages * double(sysconf(_SC_PAGESIZE)) + bytes);
+  const rlimit data{most, most};
+  setrlimit(RLIMIT_DATA, &data);
+}
+
 // Before anything is opened: a folder or a device would be read until something breaks.
 void checkKind(const std::string& path) {
   namespace fs = std::filesystem;
@@ -195,6 +206,36 @@ void checkKind(const std::string& path) {
   if (!fs::is_regular_file(status)) refuse(path, "this is not a regular file.");
 }
 
+/// In the copy: a trial.  What is wrong with the input is written to `messages`.
+[[noreturn]] void readAndExit(const std::function<void()>& read, const TrialLimits& limits, int messages) {
+  // MPI and Kokkos may have handlers that print, or wait for a debugger; a child dies in silence, and leaves no core.
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM, SIGPIPE}) std::signal(signal, SIG_DFL);
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_CORE, &none);
+  dup2(::open("/dev/null", O_WRONLY), STDERR_FILENO);
+  alarm(limits.seconds);
+  limitMemory(limits.bytes);
+  int status = 0;
+  try {
+    read();
+  } catch (const InputError& e) {
+    const std::string what = e.what();
+    if (write(messages, what.data(), what.size()) != ssize_t(what.size())) status = 1;
+  } catch (const std::exception&) {
+    status = 1;
+  }
+  // Not exit: handlers of MPI and of open files belong to the parent.
+  _exit(status);
+}
+
+std::string textFrom(int descriptor) {
+  std::string text;
+  std::array<char, 4096> part{};
+  for (ssize_t n = 0; (n = ::read(descriptor, part.data(), part.size())) > 0 || (n < 0 && errno == EINTR);)
+    if (n > 0) text.append(part.data(), std::size_t(n));
+  return text;
+}
+
 }  // namespace
 
 bool isHdf5(const std::string& path) {
@@ -202,27 +243,19 @@ bool isHdf5(const std::string& path) {
   return bool(std::ifstream(path, std::ios::binary).read(magic.data(), 8)) && std::string(magic.data(), 8) == "\x89HDF\r\n\x1a\n";
 }
 
-bool survivesInChild(const std::function<void()>& read, unsigned seconds) {
+bool survivesInChild(const std::function<void()>& read, const TrialLimits& limits) {
+  std::array<int, 2> ends{};
+  if (pipe(ends.data()) != 0) return true;
   const pid_t child = fork();
+  if (child == 0) readAndExit(read, limits, ends[1]);
+  close(ends[1]);
+  const std::string message = child < 0 ? "" : textFrom(ends[0]);
+  close(ends[0]);
   if (child < 0) return true;  // no room for a copy: then without a trial
-  if (child == 0) {
-    // MPI and Kokkos may have handlers that print, or wait for a debugger; a child dies in silence, and leaves no core.
-    for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGALRM}) std::signal(signal, SIG_DFL);
-    const rlimit none{0, 0};
-    setrlimit(RLIMIT_CORE, &none);
-    const int nowhere = ::open("/dev/null", O_WRONLY);
-    dup2(nowhere, STDERR_FILENO);
-    alarm(seconds);
-    try {
-      read();
-    } catch (const std::exception&) {  // the run itself will say what is wrong
-    }
-    // Not exit: handlers of MPI and of open files belong to the parent.
-    _exit(0);
-  }
   int status = 0;
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
+  if (!message.empty()) throw InputError(message);
   return WIFEXITED(status) && WEXITSTATUS(status) == 0;
 }
 

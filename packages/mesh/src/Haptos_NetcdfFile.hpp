@@ -17,10 +17,17 @@ void requireWholeNetcdfFile(const std::string& path);
 /// \brief Whether a file begins as one of the HDF5 library does.
 bool isHdf5(const std::string& path);
 
-/// \brief Whether `read` ends by itself in a copy of this process, within `seconds`; what it throws counts as an end.
+/// \brief What a trial may take beyond what the process has.
+struct TrialLimits {
+  unsigned seconds;
+  double bytes;  ///< of memory
+};
+
+/// \brief Whether `read` comes to its end in a copy of this process, within the limits.
 ///
 /// A damaged file may end in a fault of the HDF5 library, or keep it looping: that shall be the copy's fate, not the run's.  The
 /// copy uses neither MPI nor what this process has open, writes nothing and ends without the exit functions.
-bool survivesInChild(const std::function<void()>& read, unsigned seconds);
+/// \throws InputError  that `read` threw there
+bool survivesInChild(const std::function<void()>& read, const TrialLimits& limits);
 
 }  // namespace Haptos
