@@ -5,8 +5,8 @@ import json
 import haptos_runs
 from haptos_runs import INPUTS, SceneTest, run_haptos
 
-# Of contact over tied, each about a tenth above the worst of the cells k = 1 to 5, p = 2 to 5: 1.12, 1.16, 1.71.
-MULTIPLICATIONS, LOCAL_SOLVES, COARSE_BYTES = 1.25, 1.25, 1.85
+# Of contact beside tied, each about a tenth above the worst of the cells k = 1 to 4, p = 2 to 5: 3 more (18 and 15, 14 and 11), 1.10, 1.54.
+MORE_MULTIPLICATIONS, LOCAL_SOLVES, COARSE_BYTES = 4, 1.2, 1.7  # the last two of a multiplication
 
 
 class TiedRatio(SceneTest):
@@ -25,15 +25,18 @@ class TiedRatio(SceneTest):
                 self.assertEqual((contact["solver"]["method"], tied["solver"]["method"]), ("Subspace Newton", "PCPG"))
                 self.assertEqual(tied["model"]["tied_pairs"], contact["model"]["contact_pairs"])
 
+                def multiplications(summary):
+                    return summary["solver"]["hessian_multiplications"]
+
                 def ratio(measure):
                     self.assertGreater(measure(tied), 0)
-                    return measure(contact) / measure(tied)
+                    return measure(contact) / multiplications(contact) / (measure(tied) / multiplications(tied))
 
-                multiplications = ratio(lambda s: s["solver"]["hessian_multiplications"])
+                more = multiplications(contact) - multiplications(tied)
                 local_solves = ratio(lambda s: s["solver"]["local_solves"])  # every vector through a K^+, whose factors are the same
                 coarse_bytes = ratio(lambda s: 16 * s["coarse"]["solves"] * s["coarse"]["factor_entries"])  # L is read twice a solve
-                print(f"k {k}, p {p}: multiplications {multiplications:.2f}, local solves {local_solves:.2f}, coarse bytes {coarse_bytes:.2f}")
-                self.assertLessEqual(multiplications, MULTIPLICATIONS)
+                print(f"k {k}, p {p}: {multiplications(tied)} and {more} more, local solves {local_solves:.2f}, coarse bytes {coarse_bytes:.2f}")
+                self.assertLessEqual(more, MORE_MULTIPLICATIONS)
                 self.assertLessEqual(local_solves, LOCAL_SOLVES)
                 self.assertLessEqual(coarse_bytes, COARSE_BYTES)
                 self.assertLessEqual(contact["coarse"]["set_ups"], contact["solver"]["hessian_multiplications"])

@@ -63,6 +63,34 @@ TEUCHOS_UNIT_TEST(Tied, TwoTiedBlocksAreOne) {
   }
 }
 
+long multiplicationsOfContrast(double contrast, Teuchos::FancyOStream& out, bool& success) {
+  ScenarioBuilder scene = pulled(makeBoxes({block("lower", 0, 1, 3), block("upper", 1, 2, 3)}), "lower_low", "upper_high");
+  const auto result = scene.material("lower", 100, 0.3).material("upper", 100 * contrast, 0.3).contact("upper_low", "lower_high", &tied)
+                          .decomposition("METIS", 12).tolerance(1e-6).solve();
+  TEST_ASSERT(result.solved);
+  TEST_EQUALITY(result.report.solver.method, "PCPG");
+  out << "contrast " << contrast << ": " << result.report.solver.hessianMultiplications << " multiplications\n";
+  return result.report.solver.hessianMultiplications;
+}
+
+TEUCHOS_UNIT_TEST(Tied, ContrastsCostNothing) {
+  const long alike = multiplicationsOfContrast(1, out, success);
+  for (const double contrast : {1e-6, 1e-3, 1e3, 1e6}) TEST_COMPARE(multiplicationsOfContrast(contrast, out, success), <=, alike + 3);
+}
+
+// Elements 1 : 1 : .03 make subdomains soft against bending that are no thinner than others.
+TEUCHOS_UNIT_TEST(Tied, FlatElementsAreDeflated) {
+  BoxSpec lower = block("lower", 0, 0.1, 20), upper = block("upper", 0.1, 0.2, 20);
+  lower.divisions = upper.divisions = {6, 6, 20};
+  ScenarioBuilder scene = pulled(makeBoxes({lower, upper}), "lower_low", "upper_high");
+  const auto result = scene.material("lower", 100, 0.3).material("upper", 400, 0.3).contact("upper_low", "lower_high", &tied)
+                          .decomposition("METIS", 24).tolerance(1e-6).solve();
+  TEST_ASSERT(result.solved);
+  out << result.report.solver.hessianMultiplications << " multiplications, " << result.report.solver.deflation.motions << " motions\n";
+  TEST_ASSERT(result.report.solver.deflation.motions > 0);
+  TEST_COMPARE(result.report.solver.hessianMultiplications, <=, 115);  // 259 without
+}
+
 // A tied interface and one with friction in the same model: what is tied is held.
 TEUCHOS_UNIT_TEST(Tied, BesideContact) {
   const Friction friction{"Coulomb", {0.3, 0.3}};

@@ -7,7 +7,8 @@ namespace Haptos {
 
 /// \brief Preconditioned conjugate projected gradients for bodies without contact (Farhat and Roux 1991).
 ///
-/// Belos' CG on P F P with the preconditioner P M P; only equality rows exist, so lambda is free.
+/// Belos' CG on P F P with the preconditioner P_D M P_D^T, P_D = I - D G^T (G D G^T)^-1 G and D = diag M; only equality rows exist, so
+/// lambda is free.
 class PcpgSolver final : public ContactSolver {
  public:
   explicit PcpgSolver(SolverContext context);
@@ -25,10 +26,15 @@ class PcpgSolver final : public ContactSolver {
 
  private:
   void begin(const RCP<const Vector>& start);
+  void use(RCP<const Operator> M);
+  void deflate();
+  double iterate(double tolerance, long most);
+  bool converge(const SolveRequest& request);
 
   SolverContext context_;
   RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
-  RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender
+  RCP<const Operator> preconditioner_;          ///< into Ker G; null: none
+  RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;
   int iterations_ = 0;
