@@ -2,11 +2,12 @@
 """Draws random scenes, runs them, checks each answer independently of the library, and prints a distribution and the worst.
 
     sweep.py --haptos PROGRAM [--mpirun "mpirun --oversubscribe"] [--seed 1] [--count 100] [--only INDEX...] [--ranks 1 2 3]
-             [--families basic|wide] [--no-tied] [--method Automatic] [--most F] [--csv FILE] [--keep FOLDER]
+             [--families basic|wide] [--no-tied] [--method Automatic] [--most F] [--limit 600] [--cheap 60] [--csv FILE] [--keep FOLDER]
 
 A scene holds if it ends with status 0 and all measures of the written field are at most ten tolerances, with F on all
 ranks within 2 % + 2 of each other, or with status 3 on all of them where no contact forces balance the loads.  --only
 reproduces scenes by their number.  Each scene is also solved with its surfaces tied, for what contact costs beside that.
+--limit: processor time of a run.  --cheap: more ranks only where the solution on the first number of them took no longer.
 --csv adds a line a scene to a table, from which sweep_page.py makes doc/sweep.md.
 """
 import argparse
@@ -15,7 +16,9 @@ import dataclasses
 import json
 import os
 import pathlib
+import resource
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -46,6 +49,7 @@ def drawing(families):
 def run(arguments, path, ranks):
     """Exit status and summary, or the message where there is none."""
     summary = path.with_suffix(f".{ranks}.json")
+    summary.unlink(missing_ok=True)
     command = [arguments.haptos, path, "--output", path.with_suffix(".result.exo"), "--summary", summary, "--set",
                f"Solver->Method={arguments.method}"]
     if ranks > 1:
@@ -53,10 +57,10 @@ def run(arguments, path, ranks):
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1", "OMPI_ALLOW_RUN_AS_ROOT_CONFIRM": "1",
                    "OMPI_MCA_mpi_yield_when_idle": "1"}
     before = os.times().children_user
-    try:
-        done = subprocess.run(command, capture_output=True, text=True, env=environment, timeout=arguments.timeout)
-    except subprocess.TimeoutExpired:
-        return None, {"message": f"more than {arguments.timeout} s"}
+    limit = (arguments.limit, arguments.limit)
+    done = subprocess.run(command, capture_output=True, text=True, env=environment, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit))
+    if done.returncode == -signal.SIGKILL:
+        return None, {"message": f"more than {arguments.limit} s of processor time"}
     if not summary.exists():
         return done.returncode, {"message": (done.stderr.strip().splitlines() or [""])[-1]}
     result = json.loads(summary.read_text())
@@ -70,8 +74,10 @@ def examine(arguments, index, folder):
     scene = drawing(arguments.families)(arguments.seed, index)
     path = random_scenes.write(scene, folder, f"scene{index}")
     row = {"index": index, "family": scene.family, "scene": scene.describe(), "F": [], "status": [], "why": [], "errors": {}, "pairs": 0,
-           **dict.fromkeys(("seconds", "solves", "tied_F", "tied_seconds", "tied_solves"), "")}
+           "seconds": 0.0, **dict.fromkeys(("solves", "tied_F", "tied_seconds", "tied_solves"), "")}
     for ranks in arguments.ranks:
+        if row["status"] and (None in row["status"] or row["seconds"] > arguments.cheap):
+            break
         status, summary = run(arguments, path, ranks)
         row["status"].append(status)
         if "solver" not in summary:
@@ -163,7 +169,8 @@ def main():
     parser.add_argument("--no-tied", action="store_true")
     parser.add_argument("--method", default="Automatic")
     parser.add_argument("--most", type=int, default=0)
-    parser.add_argument("--timeout", type=float, default=300)
+    parser.add_argument("--limit", type=int, default=600)
+    parser.add_argument("--cheap", type=float, default=60)
     parser.add_argument("--csv", type=pathlib.Path)
     parser.add_argument("--keep", type=pathlib.Path)
     arguments = parser.parse_args()
