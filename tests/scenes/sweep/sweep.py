@@ -88,7 +88,7 @@ def examine(arguments, index, folder):
         if ranks == arguments.ranks[0]:
             row["seconds"], row["solves"] = summary["solve_seconds"], summary["solver"]["local_solves"]
         if status != 0:
-            row["why"].append(f"{ranks} ranks: status {status}, {summary['solver']['reason']}")
+            row["why"].append(f"{ranks} ranks: status {status}, {summary['solver']['reason'].split('; raise')[0]}")
             continue
         errors = certificate.certify(scene, random_scenes.mesh_of(scene), summary, path.with_suffix(".result.exo"))
         row["errors"] = {key: max(value, row["errors"].get(key, 0)) for key, value in errors.items()}
