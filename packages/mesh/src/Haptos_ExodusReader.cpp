@@ -161,9 +161,7 @@ class Reader {
   void open() {
     file_ = std::make_unique<ExodusHandle>(openForReading(path_));
     if (!file_->isOpen())
-      refuse(
-          "it cannot be opened as an Exodus II file: it is cut short, damaged, or another kind of netCDF "
-          "file.");
+      refuse("it cannot be opened as an Exodus II file: it is cut short, damaged, or another kind of netCDF file.");
     // A box of 80^3 equal bricks, as well deflated as can be, has 3.4 nodes and elements a byte; HDF5 may state what was never written.
     largestCount_ = 50.0 * fileBytes();
   }
@@ -287,9 +285,8 @@ class Reader {
   /// Sets the topology.
   Index readBlockSize(ElementBlock& block) const {
     const std::string what = "element block " + quoted(block.id, block.name);
-    // The library copies the name of the type whole, however long it is, over what follows it in memory.
-    const std::size_t longest = sizeof(ex_block) + std::size_t(fileBytes());
-    const std::unique_ptr<void, decltype(&std::free)> room(std::malloc(longest), &std::free);  // held as far as it is written to
+    // The library copies the name of the type whole, however long it is and without its end, over what follows it in memory: zeros.
+    const std::unique_ptr<void, decltype(&std::free)> room(std::calloc(sizeof(ex_block) + std::size_t(fileBytes()), 1), &std::free);
     if (!room) throw std::bad_alloc();
     auto& info = *new (room.get()) ex_block{};
     info.id = block.id;
