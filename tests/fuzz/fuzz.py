@@ -133,7 +133,9 @@ LIBRARIES = ("libhdf5", "libnetcdf", "libexoIIv2", "libsz", "libz.")
 
 
 def is_of_libraries(report):
-    """Whether a sanitizer's report speaks of code and memory of the libraries alone: then they would harm themselves only."""
+    """Whether a report speaks of code and memory of the libraries alone: they would harm themselves only; or of a trial's limit."""
+    if "AddressSanitizer failed to allocate" in report and "error code: 12" in report:
+        return True
     stacks = [[line for line in part.splitlines() if line.lstrip().startswith("#") and "sanitizer" not in line and "libasan" not in line]
               for part in report.split("\n\n")]
     tops = [stack[0] for stack in stacks if stack]
