@@ -56,7 +56,8 @@ Eigen::VectorXd CompliantPreconditioner::solveCompliance(const Eigen::VectorXd& 
                           },
                           [&](const Eigen::VectorXd& r) -> Eigen::VectorXd { return r.cwiseQuotient(diagonal_); }, tolerance_,
                           maximumSteps_}
-      .solveByCg(vectors_, b);
+      .solveByCg(vectors_, b)
+      .x;
 }
 
 // By Woodbury (M^-1 + E C E^T)^-1 r = M (r - E q), where q = C E^T z is the jump of the springs.  On modes the vector that

@@ -13,7 +13,7 @@ namespace Haptos {
 // The next r^T z follows from sums that are taken with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z
 // - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction a step.  It decides how far to go, and is summed anew by the next
 // step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so that H^T r stays 0; W^T z follows as r^T z does.
-Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
+ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
   const Eigen::MatrixXd none(b.size(), 0);  // products want its rows
   const bool isAny = known.motions.cols() > 0;
   const auto &H = isAny ? known.motions : none, &W = isAny ? known.images : none;
@@ -32,11 +32,11 @@ Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Ei
     sums << r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp), W.transpose() * DAp;
     vectors.sum(sums);
     const double rz = sums[0];
-    if (rz == 0) break;
+    if (rz == 0) return {x, true};
     const double alpha = rz / sums[1], next = rz - 2 * alpha * sums[2] + alpha * alpha * sums[3];
     x += alpha * p;
     if (step == 0) target = tolerance * tolerance * rz;
-    if (next <= target) break;
+    if (next <= target) return {x, true};
     r -= alpha * Ap;
     z = preconditioner(r);
     p = z + (next / rz) * p;
@@ -44,7 +44,7 @@ Eigen::VectorXd ContactEquations::solveByCg(const DualVectors& vectors, const Ei
     g -= alpha * sums.tail(a.size());
     p -= H * g;
   }
-  return x;
+  return {x, false};
 }
 
 namespace {
@@ -127,7 +127,7 @@ class Arnoldi {
 
 }  // namespace
 
-Eigen::VectorXd ContactEquations::solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const {
+ContactEquations::Solution ContactEquations::solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const {
   Arnoldi basis(vectors, known.images, b, steps);
   const double target = tolerance * basis.residual();
   for (int step = 0; step < steps && basis.residual() > target && !basis.isExhausted(); ++step)
@@ -135,7 +135,7 @@ Eigen::VectorXd ContactEquations::solveByGmres(const DualVectors& vectors, const
   const auto [v, a] = basis.solution(b.size());
   Eigen::VectorXd x = preconditioner(v);
   if (a.size() > 0) x += known.motions * a;
-  return x;
+  return {x, basis.residual() <= target};
 }
 
 }  // namespace Haptos

@@ -22,12 +22,17 @@ struct ContactEquations {
   int steps;         ///< at most
   KnownMotions known{};
 
+  struct Solution {
+    Eigen::VectorXd x;
+    bool isConverged;  ///< to the tolerance
+  };
+
   /// \brief Conjugate gradients: matrix and preconditioner symmetric and positive; the residual in the preconditioner's norm.
   /// known: motions^T images = 1.  Collective: one reduction a step.
-  Eigen::VectorXd solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const;
+  Solution solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const;
 
   /// \brief GMRES, preconditioned from the right, without restart; known: orthonormal images.  Collective: two reductions a step.
-  Eigen::VectorXd solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const;
+  Solution solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const;
 };
 
 }  // namespace Haptos

@@ -58,32 +58,34 @@ ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const Conta
   return inverse;
 }
 
-// By LU, which is good for all but singular matrices; kernel vectors (motions that nothing holds) get the least norm.
-Eigen::VectorXd solveDense(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
+// LU is good for all but singular matrices.
+bool solves(const Eigen::VectorXd& x, const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   constexpr double kUseless = 1e-6;  // residual of a solution that is none
-  const Eigen::VectorXd x = solveByLu(A, b);
-  if (x.allFinite() && (A * x - b).norm() <= kUseless * b.norm()) return x;
-  return solveLeastSquares(A, b);
+  return x.allFinite() && (A * x - b).norm() <= kUseless * b.norm();
 }
 
 }  // namespace
 
-// Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
 ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
-    : M_(std::move(parts.M)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), options_(options) {
+    : M_(std::move(parts.M)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), kind_(kind), options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
-  if (kind == Kind::Products) return;
   const Eigen::Index mine = 3 * vectors.numPairs();
   Eigen::Index end = 0;
   Teuchos::scan(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
   Teuchos::reduceAll(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(size_));
   first_ = end - mine;
+  if (kind == Kind::Dense) makeDense();
+}
+
+// Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
+void ContactMatrix::makeDense() const {
+  const Eigen::Index mine = 3 * vectors_.numPairs(), end = first_ + mine;
   Eigen::MatrixXd rows(mine, size_);
   for (Eigen::Index j = 0; j < size_; ++j) {
     Eigen::VectorXd unit = Eigen::VectorXd::Zero(mine);
     if (j >= first_ && j < end) unit[j - first_] = 1;
-    rows.col(j) = vectors.applyOnContact(*M_, unit);
+    rows.col(j) = vectors_.applyOnContact(*M_, unit);
   }
   dense_ = onAllRanks(rows);
   // as M is, but for round-off and the single precision of its parts
@@ -105,7 +107,8 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
 
 // The kernel's images are B kernel; T makes them orthonormal.
 Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
-  if (dense_.size() > 0) return solveDirectly(A, B, b);
+  std::optional<Eigen::VectorXd> direct;
+  if (dense_.size() > 0 && (direct = solveDirectly(A, B, b))) return *direct;
   const Blocks inverse = invertedBlocks(A, B, diagonal_);
   ContactEquations equations{
       [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
@@ -114,13 +117,16 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
     const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
     equations.known = {kernel_ * T, images * T};
   }
-  return equations.solveByGmres(vectors_, b);
+  const auto solution = equations.solveByGmres(vectors_, b);
+  if (!mayStay(solution.isConverged)) direct = solveDirectly(A, B, b);
+  return direct.value_or(solution.x);
 }
 
 // The kernel's images are K kernel, K = L L^T; T makes L^T kernel orthonormal.
 Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
   const Blocks one(K.size(), Eigen::Matrix3d::Identity());
-  if (dense_.size() > 0) return solveDirectly(one, K, b);
+  std::optional<Eigen::VectorXd> direct;
+  if (dense_.size() > 0 && (direct = solveDirectly(one, K, b))) return *direct;
   const Blocks inverse = invertedBlocks(one, K, diagonal_);
   ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
                              [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
@@ -131,7 +137,17 @@ Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::Vect
     const Eigen::MatrixXd motions = kernel_ * orthonormalizer(vectors_.comm(), multiplyBlocks(roots, kernel_));
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
-  return equations.solveByCg(vectors_, b);
+  const auto solution = equations.solveByCg(vectors_, b);
+  if (!mayStay(solution.isConverged)) direct = solveDirectly(one, K, b);
+  return direct.value_or(solution.x);
+}
+
+// A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time: the dense matrix
+// is made then, which costs a product a row once.
+bool ContactMatrix::mayStay(bool isConverged) const {
+  if (isConverged || dense_.size() > 0 || size_ > options_.rowsOfStep * options_.linearSteps) return true;
+  makeDense();
+  return false;
 }
 
 Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
@@ -143,8 +159,9 @@ Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
   return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
-// The same system on every rank, from the rows of all.
-Eigen::VectorXd ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+// The same system on every rank, from the rows of all.  A singular one (motions that nothing holds) has no solution but what a Krylov
+// method comes to, or that of least norm where there is none.
+std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
   const Eigen::Index mine = b.size();
   Eigen::MatrixXd rows(mine, size_ + 1);
   rows << dense_.middleRows(first_, mine), b;
@@ -159,7 +176,13 @@ Eigen::VectorXd ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, c
     all.row(row).setZero();
     all(row, row) = 1;
   }
-  return solveDense(all.leftCols(size_), all.col(size_)).segment(first_, mine);
+  const Eigen::MatrixXd matrix = all.leftCols(size_);
+  Eigen::VectorXd x = solveByLu(matrix, all.col(size_));
+  if (!solves(x, matrix, all.col(size_))) {
+    if (kind_ == Kind::Products) return {};
+    x = solveLeastSquares(matrix, all.col(size_));
+  }
+  return x.segment(first_, mine);
 }
 
 // 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
 #include "Haptos_DualVectors.hpp"
@@ -16,7 +17,7 @@ class ContactMatrix {
   using Blocks = std::vector<Eigen::Matrix3d>;  ///< [pairs]
 
   /// Dense: 3 x pairs applications of M now, the matrix on all ranks, direct solves: where M is slow, and so badly scaled that Krylov
-  /// methods fail (slender subdomains).  Products: nothing but products with M.
+  /// methods fail (slender subdomains).  Products: until a Krylov method fails.
   enum class Kind { Dense, Products };
 
   struct Parts {
@@ -45,16 +46,19 @@ class ContactMatrix {
   const DualVectors& vectors() const { return vectors_; }
 
  private:
+  void makeDense() const;
+  bool mayStay(bool isConverged) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
-  Eigen::VectorXd solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
 
   RCP<const Operator> M_;
   const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd kernel_;
+  Kind kind_;
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
-  Eigen::MatrixXd dense_;              // [all contact values]^2, or empty
+  mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
 };
 
 }  // namespace Haptos

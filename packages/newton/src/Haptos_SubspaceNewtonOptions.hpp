@@ -115,6 +115,9 @@ struct SubspaceNewtonOptions {
     double armijo = 1e-4;
     double linearTolerance = 1e-3; ///< of a Newton step, 20 to 30 products
     int linearSteps = 150;         ///< a bound
+    /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
+    /// much as n / 40 products of 2 n^2 at 1e9.
+    int rowsOfStep = 40;  ///< decisions/040
     /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.
     int pathSteps = 40;
     /// Its matrices add up to 1e6 times M to some rows: 1e-2 lost the path, 1e-4 the last digits.

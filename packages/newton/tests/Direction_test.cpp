@@ -93,8 +93,7 @@ TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndComplianc
 }
 
 // M between contact rows as products and as a matrix; what Krylov methods leave is asked to be small here.
-ContactMatrix contactMatrix(const Scene& t, ContactMatrix::Kind kind) {
-  SubspaceNewtonOptions::Condensed options;
+ContactMatrix contactMatrix(const Scene& t, ContactMatrix::Kind kind, SubspaceNewtonOptions::Condensed options = {}) {
   options.linearTolerance = options.pathLinearTolerance = 1e-13;
   return {{t.dual.contactM, t.vectors.contact(t.local(t.setup.d.M.diagonal()))}, t.vectors, kind, options};
 }
@@ -185,6 +184,16 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
     const Eigen::VectorXd mine = t.vectors.contact(t.local(rhs));
     TEST_COMPARE(t.difference(asRows(matrix.solve(A, K, mine, 1e-13)), general), <, 1e-10);
     TEST_COMPARE(t.difference(asRows(matrix.solveSymmetric(K, mine)), symmetric), <, 1e-10);
+  }
+  // Krylov methods that give up: the matrix is factored, if its rows are worth that many steps.
+  for (const int rowsOfStep : {40, 1}) {
+    SubspaceNewtonOptions::Condensed few;
+    few.linearSteps = 3;
+    few.rowsOfStep = rowsOfStep;
+    const Eigen::VectorXd mine = t.vectors.contact(t.local(rhs));
+    const double errorOfGeneral = t.difference(asRows(contactMatrix(t, ContactMatrix::Kind::Products, few).solve(A, K, mine, 1e-13)), general);
+    const double errorOfSymmetric = t.difference(asRows(contactMatrix(t, ContactMatrix::Kind::Products, few).solveSymmetric(K, mine)), symmetric);
+    TEST_EQUALITY(std::max(errorOfGeneral, errorOfSymmetric) < 1e-10, rowsOfStep == 40);
   }
 }
 
