@@ -142,6 +142,9 @@ configure() {
 }
 
 # One job per core and per 1.5 GB of memory that is free.
+# nproc would count the threads that OpenMP may use, which is none of make's business.
+count_cores() { env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc; }
+
 parallel_jobs() {
   if [[ -n ${HAPTOS_JOBS:-} ]]; then
     [[ $HAPTOS_JOBS =~ ^[1-9][0-9]*$ ]] || die "HAPTOS_JOBS must be a positive number, not '$HAPTOS_JOBS'"
@@ -149,7 +152,7 @@ parallel_jobs() {
     return
   fi
   local cores free_kb limit file
-  cores=$(nproc)
+  cores=$(count_cores)
   free_kb=$(awk '/^MemAvailable:/ {print $2}' /proc/meminfo 2>/dev/null || true)
   for file in /sys/fs/cgroup/memory.max /sys/fs/cgroup/memory/memory.limit_in_bytes; do
     limit=$(cat "$file" 2>/dev/null || true)
@@ -207,7 +210,7 @@ do_run() {
   ((${#args[@]})) || die "run needs an input file: ./bootstrap.sh run FILE.xml"
   [[ ${args[0]} == -* || -f ${args[0]} ]] || die "no such input file: ${args[0]} (seen from $PWD)"
   local cores
-  cores=$(nproc)
+  cores=$(count_cores)
   [[ -n $ranks ]] || ranks=$((cores < 4 ? cores : 4))
   [[ $ranks =~ ^[1-9][0-9]*$ ]] || die "-n needs a positive number of MPI ranks, not '$ranks'"
   prepare
@@ -257,7 +260,7 @@ do_test() {
   say "testing"
   # Tests written in Python take the python3 of the environment; where it lacks a package they are skipped.
   export PATH=$root/build/venv/bin:$PATH
-  ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(nproc)" "${selection[@]}" "$@"
+  ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(count_cores)" "${selection[@]}" "$@"
 }
 
 do_install() {
