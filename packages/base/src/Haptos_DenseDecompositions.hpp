@@ -47,8 +47,8 @@ class PivotedLdlt {
  public:
   explicit PivotedLdlt(const Eigen::MatrixXd& A);
   ~PivotedLdlt();
-  /// \brief A^+ b, where pivots at or below `least` are left out.
-  Eigen::VectorXd solve(const Eigen::VectorXd& b, double least) const;
+  /// \brief A^+ B, where pivots at or below `least` are left out.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& B, double least) const;
 
  private:
   struct Factor;
@@ -56,7 +56,9 @@ class PivotedLdlt {
 };
 
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);  ///< A symmetric
-Eigen::VectorXd solveByLu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);    ///< A regular, partial pivoting
+/// \brief By partial pivoting; NaN where A is singular.
+Eigen::VectorXd solveByLu(Eigen::MatrixXd A, Eigen::VectorXd b);
+Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b);  ///< NaN where A is not positive definite
 
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off

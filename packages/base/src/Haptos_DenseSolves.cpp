@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <Eigen/QR>
+#include <Teuchos_LAPACK.hpp>
+#include <algorithm>
+#include <limits>
+#include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
 
@@ -21,18 +24,35 @@ struct PivotedLdlt::Factor : Eigen::LDLT<Eigen::MatrixXd> {
 PivotedLdlt::PivotedLdlt(const Eigen::MatrixXd& A) : factor_(std::make_unique<Factor>(A)) {}
 PivotedLdlt::~PivotedLdlt() = default;
 
-// P A P^T = L D L^T, x = P^T L^-T D^+ L^-1 P b: pivots that are round-off count as 0.
-Eigen::VectorXd PivotedLdlt::solve(const Eigen::VectorXd& b, double least) const {
-  Eigen::VectorXd x = factor_->transpositionsP() * b;
-  factor_->matrixL().solveInPlace(x);
+// P A P^T = L D L^T, X = P^T L^-T D^+ L^-1 P B: pivots that are round-off count as 0.
+Eigen::MatrixXd PivotedLdlt::solve(const Eigen::MatrixXd& B, double least) const {
+  Eigen::MatrixXd X = factor_->transpositionsP() * B;
+  factor_->matrixL().solveInPlace(X);
   const auto pivots = factor_->vectorD();
-  for (Eigen::Index i = 0; i < x.size(); ++i) x[i] = pivots[i] > least ? x[i] / pivots[i] : 0.0;
-  factor_->matrixU().solveInPlace(x);
-  return factor_->transpositionsP().transpose() * x;
+  for (Eigen::Index i = 0; i < X.rows(); ++i) X.row(i) *= pivots[i] > least ? 1 / pivots[i] : 0.0;
+  factor_->matrixU().solveInPlace(X);
+  return factor_->transpositionsP().transpose() * X;
 }
 
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
-Eigen::VectorXd solveByLu(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.partialPivLu().solve(b); }
+
+// LAPACK's, which runs at the speed of the machine's BLAS: Eigen's took four times as long from 300 rows on.
+Eigen::VectorXd solveByLu(Eigen::MatrixXd A, Eigen::VectorXd b) {
+  const int n = int(b.size());
+  std::vector<int> pivots(std::size_t(n) + 1);
+  int info = 0;
+  Teuchos::LAPACK<int, double>().GESV(n, 1, A.data(), std::max(1, n), pivots.data(), b.data(), std::max(1, n), &info);
+  if (info > 0) b.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return b;
+}
+
+Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b) {
+  const int n = int(b.size());
+  int info = 0;
+  Teuchos::LAPACK<int, double>().POSV('L', n, 1, A.data(), std::max(1, n), b.data(), std::max(1, n), &info);
+  if (info > 0) b.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return b;
+}
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {
   if (A.size() == 0) return Eigen::VectorXd::Zero(A.cols());  // the decomposition looks for a largest column

@@ -5,6 +5,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <map>
+#include <type_traits>
 
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_LocalSystems.hpp"
@@ -19,6 +20,14 @@ namespace {
 constexpr int kBlock = 32;             // columns of Z that are made at a time
 constexpr double kNegligible = 1e-14;  // entries of a column, of its largest
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+// This rank's entries, in place.
+Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> columnsOf(MultiVector& t) {
+  const auto data = t.get1dViewNonConst();
+  return {data.getRawPtr(), Eigen::Index(t.getLocalLength()), Eigen::Index(t.getNumVectors()), Eigen::OuterStride<>(Eigen::Index(t.getStride()))};
+}
 
 // Z's columns reach a subdomain and its neighbours; what is round-off beside the largest entry would make them dense.
 void appendNonzeros(const MultiVector& block, int column, int width, std::vector<Eigen::Triplet<double>>& triplets) {
@@ -108,21 +117,21 @@ void DeflatedPreconditioner::average(MultiVector& t) const {
   t.update(-1.0, half, 1.0);
 }
 
-// t_i := local(class, t_i) on the boundary unknowns of every subdomain where t is not zero
+// t_i := local(class, t_i) on the boundary unknowns of every subdomain where t is not zero, all columns at once
 template <class Local>
 void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   const auto& offsets = base_->jump().primalOffsets();
-  for (std::size_t v = 0; v < t.getNumVectors(); ++v) {
-    const auto data = t.getDataNonConst(v);
-    for (int i = 0; i < base_->systems().size(); ++i) {
-      const int c = base_->systems()[i].congruenceClass;
-      const auto& dofs = base_->surface().boundary(c);
-      Eigen::MatrixXd x(Eigen::Index(dofs.size()), 1);
-      for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), 0) = data[offsets[std::size_t(i)] + std::size_t(dofs[k])];
-      if (x.isZero(0)) continue;
-      local(c, x);
-      for (std::size_t k = 0; k < dofs.size(); ++k) data[offsets[std::size_t(i)] + std::size_t(dofs[k])] = x(Eigen::Index(k), 0);
-    }
+  auto columns = columnsOf(t);
+  for (int i = 0; i < base_->systems().size(); ++i) {
+    const int c = base_->systems()[i].congruenceClass;
+    const auto& dofs = base_->surface().boundary(c);
+    Eigen::MatrixXd x(Eigen::Index(dofs.size()), columns.cols());
+    for (Eigen::Index v = 0; v < x.cols(); ++v)
+      for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), v) = columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v);
+    if (x.isZero(0)) continue;
+    local(c, x);
+    for (Eigen::Index v = 0; v < x.cols(); ++v)
+      for (std::size_t k = 0; k < dofs.size(); ++k) columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v) = x(Eigen::Index(k), v);
   }
 }
 
@@ -213,8 +222,7 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
 RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
   const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
   if (anyOfAll(*getRangeMap()->getComm(), isSlender)) return {};
-  Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK(Y.rows(), Y.cols());
-  for (Eigen::Index i = 0; i < Y.rows(); ++i) YK.row(i) = solve(Y.row(i).transpose()).transpose();
+  Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK = solve(Y.transpose()).transpose();
   return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
 }
 
@@ -227,32 +235,36 @@ void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {
 }
 
 // K^+ g, small pivots left out: motions that others contain
-Eigen::VectorXd DeflatedPreconditioner::solve(const Eigen::VectorXd& g) const {
-  return scale_.cwiseProduct(factor_->solve(scale_.cwiseProduct(g), kDependent));
+Eigen::MatrixXd DeflatedPreconditioner::solve(const Eigen::MatrixXd& g) const {
+  return scale_.asDiagonal() * factor_->solve(scale_.asDiagonal() * g, kDependent);
 }
 
-// t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.
-void DeflatedPreconditioner::project(const Columns& A, const Columns& C, Vector& t) const {
-  const auto data = t.getDataNonConst(0);
-  Eigen::Map<Eigen::VectorXd> values(data.getRawPtr(), data.size());
-  const Eigen::VectorXd mine = C.transpose() * values;
-  values -= A * solve(sumOfAll(*getRangeMap()->getComm(), mine));
+// t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.  Many columns by rows, so that
+// an entry of a factor meets all of them at once.
+void DeflatedPreconditioner::project(const Columns& A, const Columns& C, MultiVector& t) const {
+  auto columns = columnsOf(t);
+  const auto subtract = [&](const auto& values) {
+    using Values = std::decay_t<decltype(values)>;
+    const Eigen::MatrixXd mine = C.transpose() * values;
+    const Values a = solve(sumOfAll(*getRangeMap()->getComm(), mine)), moved = A * a;
+    columns -= moved;
+  };
+  if (columns.cols() == 1) subtract(Eigen::VectorXd(columns.col(0)));
+  else subtract(RowMajor(columns));
 }
 
 // z = B_D H^T (1 - C H Z K^+ (H Z)^T) C (1 - H Z K^+ (C H Z)^T) H B_D^T x
 void DeflatedPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    Vector t(base_->jump().getDomainMap()), z(getRangeMap());
-    base_->spread(*x.getVector(v), t);
-    toHalf(t);
-    project(HZ_, CHZ_, t);
-    applyRest(t);
-    project(CHZ_, HZ_, t);
-    fromHalf(t);
-    base_->collect(t, z);
-    y.getVectorNonConst(v)->update(alpha, z, beta);
-    ++applications_;
-  }
+  MultiVector t(base_->jump().getDomainMap(), x.getNumVectors()), z(getRangeMap(), x.getNumVectors());
+  base_->spread(x, t);
+  toHalf(t);
+  project(HZ_, CHZ_, t);
+  applyRest(t);
+  project(CHZ_, HZ_, t);
+  fromHalf(t);
+  base_->collect(t, z);
+  y.update(alpha, z, beta);
+  applications_ += long(x.getNumVectors());
 }
 
 }  // namespace Haptos

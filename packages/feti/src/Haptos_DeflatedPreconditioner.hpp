@@ -59,8 +59,8 @@ class DeflatedPreconditioner final : public Operator {
   void assemble();
   Eigen::MatrixXd rowsOfBCZ(const std::vector<int>& rows) const;
   void factor(const Eigen::MatrixXd& K);
-  void project(const Columns& A, const Columns& C, Vector& t) const;
-  Eigen::VectorXd solve(const Eigen::VectorXd& g) const;
+  void project(const Columns& A, const Columns& C, MultiVector& t) const;
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& g) const;
 
   RCP<const DualPreconditioner> base_;
   // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.

@@ -100,6 +100,24 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
   TEST_ASSERT(compared > 0);
 }
 
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ManyColumnsAreWhatEachIsAlone) {
+  for (double height : {1.0, 0.02}) {
+    const Setup t(height);
+    MultiVector x(t.feti.map(), 3), y(t.feti.map(), 3);
+    x.randomize();
+    y.putScalar(1.0);
+    t.deflated->apply(x, y, Teuchos::NO_TRANS, 2.0, 0.5);
+    for (std::size_t v = 0; v < 3; ++v) {
+      Vector alone(t.feti.map());
+      alone.putScalar(1.0);
+      t.deflated->apply(*x.getVector(v), alone, Teuchos::NO_TRANS, 2.0, 0.5);
+      const double size = alone.normInf();
+      alone.update(-1.0, *y.getVector(v), 1.0);
+      TEST_COMPARE(alone.normInf(), <=, 1e-12 * size);
+    }
+  }
+}
+
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
   for (double height : {1.0, 0.02}) {
     const Setup t(height);

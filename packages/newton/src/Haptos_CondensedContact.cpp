@@ -5,7 +5,6 @@
 #include <Tpetra_Operator.hpp>
 #include <cmath>
 
-#include "Haptos_ConePath.hpp"
 
 namespace Haptos {
 namespace {
@@ -20,7 +19,7 @@ ContactMatrix::Blocks blocksOfA(const LawLinearization& law) {
 }  // namespace
 
 CondensedContact::CondensedContact(RCP<const Operator> M, const ContactMatrix& contact, SubspaceNewtonOptions::Condensed options)
-    : M_(std::move(M)), contact_(contact), vectors_(contact.vectors()), options_(options) {}
+    : M_(std::move(M)), contact_(contact), vectors_(contact.vectors()), options_(options), path_(options) {}
 
 // (M s_E)_c of this rank
 Eigen::VectorXd CondensedContact::forcesOfGluing(const Eigen::VectorXd& s) const {
@@ -41,6 +40,7 @@ struct CondensedContact::Model {
   const SubspaceNewtonOptions::Condensed& options;
   const std::vector<PairLaw>& pairs;
   const Eigen::VectorXd& r;
+  ConePath& path;
   Eigen::VectorXd lambda, s;
 
   struct Point {
@@ -55,7 +55,7 @@ struct CondensedContact::Model {
   }
   Point at(const Eigen::VectorXd& sigma) const { return at(sigma, M.multiply(sigma)); }
 
-  // Damped Newton; where nothing descends, the full step lets the active set move.  Returns the best point,
+  // Damped Newton; where nothing descends, the full step lets the active set move, unless a path is at hand.  Returns the best point,
   // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
   Point newton(Point point, double target) const {
     const Point first = point;
@@ -75,6 +75,7 @@ struct CondensedContact::Model {
       point = next.norm < point.norm ? std::move(next) : whole;
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       if (point.norm < best.norm) best = point;
+      if (path.hasStages() && k + 1 >= options.trialSteps && best.norm > options.trialLeaves * first.norm) break;
     }
     return best;
   }
@@ -88,9 +89,10 @@ struct CondensedContact::Model {
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
     if (near.norm <= target) return near;
     // With the value of |F s_T| alone some paths end half way, with its derivative others.
-    for (const SlipTerm slip : {SlipTerm::Value, SlipTerm::Derivative}) {
-      const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
-      Point far = newton(at(followConePath(pairs, M, lambda, s, residual, target, slip, options)), target);
+    const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
+    for (const auto& [slip, fromStages] : {std::pair(SlipTerm::Value, true), {SlipTerm::Value, false}, {SlipTerm::Derivative, false}}) {
+      if (fromStages && !path.hasStages()) continue;
+      Point far = newton(at(path.follow({pairs, M, lambda, s, slip}, residual, target, fromStages)), target);
       if (far.norm < near.norm) near = std::move(far);
       left = near.norm / start.norm;
       if (near.norm <= target) break;
@@ -110,8 +112,8 @@ Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, c
 
 // sigma = 0, nothing moves, is where Newton starts.
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
-                                                 const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) const {
-  const Model model{contact_, options_, pairs, r, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
+                                                 const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {
+  const Model model{contact_, options_, pairs, r, path_, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
   double left = 0;
   const Eigen::VectorXd sigma = model.solve(left).sigma;
   return {response(s, sigma), sigma, left};

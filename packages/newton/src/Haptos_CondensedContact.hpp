@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 
+#include "Haptos_ConePath.hpp"
 #include "Haptos_ContactMatrix.hpp"
 #include "Haptos_LawLinearization.hpp"
 
@@ -32,7 +33,7 @@ class CondensedContact {
   /// \brief Solves the law to `Condensed::reduction`: by Newton's method from here, by interior points where that fails.
   /// \param r [pairs].  Collective.
   Step solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r, const Eigen::VectorXd& lambda,
-                const Eigen::VectorXd& s) const;
+                const Eigen::VectorXd& s);
 
  private:
   struct Model;
@@ -43,6 +44,7 @@ class CondensedContact {
   const ContactMatrix& contact_;
   const DualVectors& vectors_;
   SubspaceNewtonOptions::Condensed options_;
+  ConePath path_;
 };
 
 }  // namespace Haptos

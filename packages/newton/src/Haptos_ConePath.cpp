@@ -122,7 +122,17 @@ void PairCones::advance(double t) {
   if (hasBall_) ball_.advance(t);
 }
 
+bool PairCones::hasLawOf(const PairCones& other) const {
+  return hasNormal_ == other.hasNormal_ && hasBall_ == other.hasBall_ && D_ == other.D_ && (!hasBall_ || ball_.l[0] == other.ball_.l[0]);
+}
+
 namespace {
+
+bool haveSameLaw(const DualVectors& vectors, const std::vector<PairCones>& a, const std::vector<PairCones>& b) {
+  double different = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) different += !a[i].hasLawOf(b[i]);
+  return vectors.sum(different) == 0;
+}
 
 // Mean length of forces and jumps over the pairs of all ranks.
 Eigen::Vector2d meanSizes(const DualVectors& vectors, const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {
@@ -131,16 +141,22 @@ Eigen::Vector2d meanSizes(const DualVectors& vectors, const Eigen::VectorXd& lam
   return (sums.head<2>() / std::max(1.0, sums[2])).cwiseSqrt();
 }
 
-class ConePath {
+}  // namespace
+
+// All pairs on the way, at some forces and jumps.
+class ConePath::Point {
  public:
-  struct Point {
-    Eigen::VectorXd lambda, s;
-  };
-  ConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, Point start, SlipTerm slip, double tolerance)
-      : M_(M), lambda_(std::move(start.lambda)), s_(std::move(start.s)), slip_(slip), tolerance_(tolerance) {
+  // From no start: every pair in the middle of its cones, of the mean sizes.
+  Point(const std::vector<PairLaw>& pairs, const ContactMatrix& M, Eigen::VectorXd lambda, Eigen::VectorXd s)
+      : M_(M), lambda_(std::move(lambda)), s_(std::move(s)) {
     const Eigen::Vector2d sizes = meanSizes(M.vectors(), lambda_, s_);
     for (const PairLaw& pair : pairs) cones_.emplace_back(pair, sizes[0] > 0 ? sizes[0] : 1.0, sizes[1] > 0 ? sizes[1] : 1.0);
   }
+  Point(std::vector<PairCones> cones, const ContactMatrix& M, Eigen::VectorXd lambda, Eigen::VectorXd s)
+      : M_(M), lambda_(std::move(lambda)), s_(std::move(s)), cones_(std::move(cones)) {}
+
+  const std::vector<PairCones>& cones() const { return cones_; }
+  const Eigen::VectorXd& s() const { return s_; }
 
   // mean of l . y times the part that a step aims at
   double target(double part) const {
@@ -151,18 +167,18 @@ class ConePath {
   }
 
   // One step of Newton's method; the length of it that was taken.
-  double step(Eigen::VectorXd& sigma, double part) {
+  double step(Eigen::VectorXd& sigma, double part, SlipTerm slip, double tolerance) {
     const double aim = target(part);
     ContactMatrix::Blocks K;
     Eigen::VectorXd b(sigma.size());
     for (std::size_t i = 0; i < cones_.size(); ++i) {
       const Eigen::Index at = 3 * Eigen::Index(i);
-      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim, slip_);
+      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim, slip);
       K.push_back(cones_[i].K());
       b.segment<3>(at) = cones_[i].b();
     }
     const ContactMatrix::Blocks one(K.size(), Eigen::Matrix3d::Identity());
-    const Eigen::VectorXd d = slip_ == SlipTerm::Value ? M_.solveSymmetric(K, b) : M_.solve(one, K, b, tolerance_);
+    const Eigen::VectorXd d = slip == SlipTerm::Value ? M_.solveSymmetric(K, b) : M_.solve(one, K, b, tolerance);
     double mine = 1, t = 1;
     for (std::size_t i = 0; i < cones_.size(); ++i) {
       cones_[i].setStep(d.segment<3>(3 * Eigen::Index(i)));
@@ -179,26 +195,37 @@ class ConePath {
  private:
   const ContactMatrix& M_;
   Eigen::VectorXd lambda_, s_;  // of the day
-  SlipTerm slip_;
-  double tolerance_;  // of linear solves
   std::vector<PairCones> cones_;
 };
 
-}  // namespace
+// The last stage whose jumps leave no more of today's law than twice what it left of its own; -1: none.
+int ConePath::lastStage(const Start& start, const Residual& residual) const {
+  const Point today(start.pairs, start.M, start.lambda, start.s);
+  if (stages_.empty() || !haveSameLaw(start.M.vectors(), today.cones(), stages_.front().cones)) return -1;
+  int k = int(stages_.size()) - 1;
+  while (k >= 0 && !(residual(start.s - stages_[std::size_t(k)].s) <= options_.stageGrowth * stages_[std::size_t(k)].norm)) --k;
+  return k;
+}
 
-// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.  How far bodies were moved, which
-// M does not feel, is left behind: it would be no measure of jumps.
-Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
-                               const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
-                               double target, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options) {
-  Eigen::VectorXd sigma = M.kernelPart(s), best = sigma;
-  ConePath path(pairs, M, {lambda, s - sigma}, slip, options.pathLinearTolerance);
-  double least = residual(sigma), part = options.pathFar;
-  for (int step = 0; step < options.pathSteps && least > target; ++step) {
-    const double t = path.step(sigma, part);
-    const double norm = residual(sigma);
-    if (!std::isfinite(norm) || t < options.pathShortest) break;
-    part = t > options.pathLong ? options.pathFar : options.pathNear;
+// From no start, how far bodies were moved, which M does not feel, is left behind: it would be no measure of jumps.
+Eigen::VectorXd ConePath::follow(const Start& start, const Residual& residual, double target, bool fromStages) {
+  const int k = fromStages ? lastStage(start, residual) : -1;
+  const Eigen::VectorXd sigma = k < 0 ? start.M.kernelPart(start.s) : Eigen::VectorXd(start.s - stages_[std::size_t(k)].s);
+  std::vector<PairCones> cones = k < 0 ? Point(start.pairs, start.M, start.lambda, start.s - sigma).cones() : std::move(stages_[std::size_t(k)].cones);
+  stages_.resize(std::size_t(std::max(k, 0)));
+  return walk(Point(std::move(cones), start.M, k < 0 ? start.lambda : start.lambda + start.M.multiply(sigma), start.s - sigma), sigma, start.slip, residual, target);
+}
+
+// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.
+Eigen::VectorXd ConePath::walk(Point point, Eigen::VectorXd sigma, SlipTerm slip, const Residual& residual, double target) {
+  Eigen::VectorXd best = sigma;
+  double norm = residual(sigma), least = norm, part = options_.pathFar;
+  for (int step = 0; step < options_.pathSteps && least > target; ++step) {
+    stages_.push_back({point.cones(), point.s(), norm});
+    const double t = point.step(sigma, part, slip, options_.pathLinearTolerance);
+    norm = residual(sigma);
+    if (!std::isfinite(norm) || t < options_.pathShortest) break;
+    part = t > options_.pathLong ? options_.pathFar : options_.pathNear;
     if (norm < least) least = norm, best = sigma;
   }
   return best;

@@ -43,6 +43,8 @@ class PairCones {
   const Eigen::Matrix3d& K() const { return K_; }
   const Eigen::Vector3d& b() const { return b_; }
 
+  bool hasLawOf(const PairCones& other) const;  ///< and bound of friction
+
   void setStep(const Eigen::Vector3d& dSigma);
   double longestStep() const;
   void advance(double t);
@@ -61,12 +63,37 @@ class PairCones {
   Eigen::Vector3d b_;
 };
 
-/// \brief Follows the path of interior points of all pairs for  lambda + M sigma, s - sigma:  from no start at all, and where Newton's
+/// \brief The path of interior points of all pairs for  lambda + M sigma, s - sigma:  from no start at all, and where Newton's
 /// method on the law finds no way.
 ///
-/// \param residual of the law at a sigma; ends at `target`, or where it is not lowered any more.  Collective.
-Eigen::VectorXd followConePath(const std::vector<PairLaw>& pairs, const ContactMatrix& M, const Eigen::VectorXd& lambda,
-                               const Eigen::VectorXd& s, const std::function<double(const Eigen::VectorXd& sigma)>& residual,
-                               double target, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options);
+/// Models of one run differ little: the stages of a path are kept, and the next one may begin at the last of them that is as good for it.
+class ConePath {
+ public:
+  using Residual = std::function<double(const Eigen::VectorXd& sigma)>;  ///< of the law.  Collective.
+  struct Start {
+    const std::vector<PairLaw>& pairs;
+    const ContactMatrix& M;
+    const Eigen::VectorXd &lambda, &s;  ///< [3 pairs]
+    SlipTerm slip;
+  };
+  explicit ConePath(const SubspaceNewtonOptions::Condensed& options) : options_(options) {}
+
+  /// \brief The sigma of least residual on the way, which ends at `target`, or where it is not lowered any more.  Collective.
+  Eigen::VectorXd follow(const Start& start, const Residual& residual, double target, bool fromStages = false);
+  bool hasStages() const { return !stages_.empty(); }
+
+ private:
+  class Point;
+  struct Stage {
+    std::vector<PairCones> cones;
+    Eigen::VectorXd s;
+    double norm;  // the residual there
+  };
+  int lastStage(const Start& start, const Residual& residual) const;
+  Eigen::VectorXd walk(Point point, Eigen::VectorXd sigma, SlipTerm slip, const Residual& residual, double target);
+
+  SubspaceNewtonOptions::Condensed options_;
+  std::vector<Stage> stages_;
+};
 
 }  // namespace Haptos

@@ -32,11 +32,11 @@ ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vector
     sums << r.dot(z), p.dot(Ap), r.dot(DAp), Ap.dot(DAp), W.transpose() * DAp;
     vectors.sum(sums);
     const double rz = sums[0];
-    if (rz == 0) return {x, true};
+    if (rz == 0) return {x, true, step + 1};
     const double alpha = rz / sums[1], next = rz - 2 * alpha * sums[2] + alpha * alpha * sums[3];
     x += alpha * p;
     if (step == 0) target = tolerance * tolerance * rz;
-    if (next <= target) return {x, true};
+    if (next <= target) return {x, true, step + 1};
     r -= alpha * Ap;
     z = preconditioner(r);
     p = z + (next / rz) * p;
@@ -44,7 +44,7 @@ ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vector
     g -= alpha * sums.tail(a.size());
     p -= H * g;
   }
-  return {x, false};
+  return {x, false, steps};
 }
 
 namespace {
@@ -130,12 +130,13 @@ class Arnoldi {
 ContactEquations::Solution ContactEquations::solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const {
   Arnoldi basis(vectors, known.images, b, steps);
   const double target = tolerance * basis.residual();
-  for (int step = 0; step < steps && basis.residual() > target && !basis.isExhausted(); ++step)
+  int products = 0;
+  for (; products < steps && basis.residual() > target && !basis.isExhausted(); ++products)
     basis.add(matrix(preconditioner(basis.last())));
   const auto [v, a] = basis.solution(b.size());
   Eigen::VectorXd x = preconditioner(v);
   if (a.size() > 0) x += known.motions * a;
-  return {x, basis.residual() <= target};
+  return {x, basis.residual() <= target, products};
 }
 
 }  // namespace Haptos

@@ -25,6 +25,7 @@ struct ContactEquations {
   struct Solution {
     Eigen::VectorXd x;
     bool isConverged;  ///< to the tolerance
+    int products;      ///< with the matrix
   };
 
   /// \brief Conjugate gradients: matrix and preconditioner symmetric and positive; the residual in the preconditioner's norm.

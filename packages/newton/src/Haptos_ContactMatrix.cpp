@@ -4,6 +4,7 @@
 #include <Eigen/LU>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Operator.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "Haptos_ContactKrylov.hpp"
@@ -58,7 +59,7 @@ ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const Conta
   return inverse;
 }
 
-// LU is good for all but singular matrices.
+// Cholesky's method and LU are good for all but singular matrices.
 bool solves(const Eigen::VectorXd& x, const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
   constexpr double kUseless = 1e-6;  // residual of a solution that is none
   return x.allFinite() && (A * x - b).norm() <= kUseless * b.norm();
@@ -78,14 +79,16 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
   if (kind == Kind::Dense) makeDense();
 }
 
-// Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
+// Column j of M is M applied to unit force j, some columns at a time; every rank has its own rows of it, then all have all.
 void ContactMatrix::makeDense() const {
-  const Eigen::Index mine = 3 * vectors_.numPairs(), end = first_ + mine;
+  constexpr Eigen::Index kAtATime = 32;
+  const Eigen::Index mine = 3 * vectors_.numPairs();
   Eigen::MatrixXd rows(mine, size_);
-  for (Eigen::Index j = 0; j < size_; ++j) {
-    Eigen::VectorXd unit = Eigen::VectorXd::Zero(mine);
-    if (j >= first_ && j < end) unit[j - first_] = 1;
-    rows.col(j) = vectors_.applyOnContact(*M_, unit);
+  for (Eigen::Index j = 0; j < size_; j += kAtATime) {
+    Eigen::MatrixXd units = Eigen::MatrixXd::Zero(mine, std::min(kAtATime, size_ - j));
+    for (Eigen::Index k = 0; k < units.cols(); ++k)
+      if (j + k >= first_ && j + k < first_ + mine) units(j + k - first_, k) = 1;
+    rows.middleCols(j, units.cols()) = vectors_.applyOnContactByColumns(*M_, units);
   }
   dense_ = onAllRanks(rows);
   // as M is, but for round-off and the single precision of its parts
@@ -118,7 +121,7 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
     equations.known = {kernel_ * T, images * T};
   }
   const auto solution = equations.solveByGmres(vectors_, b);
-  if (!mayStay(solution.isConverged)) direct = solveDirectly(A, B, b);
+  if (!mayStay(solution)) direct = solveDirectly(A, B, b);
   return direct.value_or(solution.x);
 }
 
@@ -126,7 +129,7 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
 Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
   const Blocks one(K.size(), Eigen::Matrix3d::Identity());
   std::optional<Eigen::VectorXd> direct;
-  if (dense_.size() > 0 && (direct = solveDirectly(one, K, b))) return *direct;
+  if (dense_.size() > 0 && (direct = solveDirectly(one, K, b, Shape::Symmetric))) return *direct;
   const Blocks inverse = invertedBlocks(one, K, diagonal_);
   ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
                              [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
@@ -138,16 +141,20 @@ Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::Vect
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
   const auto solution = equations.solveByCg(vectors_, b);
-  if (!mayStay(solution.isConverged)) direct = solveDirectly(one, K, b);
+  if (!mayStay(solution)) direct = solveDirectly(one, K, b, Shape::Symmetric);
   return direct.value_or(solution.x);
 }
 
 // A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time: the dense matrix
-// is made then, which costs a product a row once.
-bool ContactMatrix::mayStay(bool isConverged) const {
-  if (isConverged || dense_.size() > 0 || size_ > options_.rowsOfStep * options_.linearSteps) return true;
+// is made then, which costs a product a row once.  So it is where products of solves have cost as much and a factorisation is cheaper.
+bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
+  if (dense_.size() > 0 || size_ > options_.rowsOfStep * options_.linearSteps) return true;
+  products_ += solution.products;
+  ++solves_;
+  const bool isDear = products_ > size_ && options_.rowsOfStep * products_ > size_ * solves_;
+  if (solution.isConverged && !isDear) return true;
   makeDense();
-  return false;
+  return solution.isConverged;
 }
 
 Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
@@ -159,28 +166,30 @@ Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
   return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
-// The same system on every rank, from the rows of all.  A singular one (motions that nothing holds) has no solution but what a Krylov
+// The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no solution but what a Krylov
 // method comes to, or that of least norm where there is none.
-std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape) const {
   const Eigen::Index mine = b.size();
-  Eigen::MatrixXd rows(mine, size_ + 1);
-  rows << dense_.middleRows(first_, mine), b;
-  for (std::size_t i = 0; i < A.size(); ++i) {
-    const Eigen::Index at = 3 * Eigen::Index(i);
-    rows.block(at, 0, 3, size_) = (A[i] * rows.block(at, 0, 3, size_)).eval();
-    rows.block<3, 3>(at, first_ + at) += B[i];
+  Eigen::MatrixXd blocks(mine, 7);  // (A_i, B_i, b_i)
+  for (std::size_t i = 0; i < A.size(); ++i) blocks.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i], b.segment<3>(3 * Eigen::Index(i));
+  blocks = onAllRanks(blocks);
+  Eigen::MatrixXd matrix = dense_;
+  for (Eigen::Index at = 0; at < size_; at += 3) {
+    if (shape == Shape::General) matrix.middleRows<3>(at) = (blocks.block<3, 3>(at, 0) * dense_.middleRows<3>(at)).eval();
+    matrix.block<3, 3>(at, at) += blocks.block<3, 3>(at, 3);
   }
-  Eigen::MatrixXd all = onAllRanks(rows);
   for (Eigen::Index row = 0; row < size_; ++row) {
     if (dense_(row, row) > 0) continue;  // else a row that is pinned or not there
-    all.row(row).setZero();
-    all(row, row) = 1;
+    matrix.row(row).setZero();
+    matrix(row, row) = 1;
+    blocks(row, 6) = 0;
   }
-  const Eigen::MatrixXd matrix = all.leftCols(size_);
-  Eigen::VectorXd x = solveByLu(matrix, all.col(size_));
-  if (!solves(x, matrix, all.col(size_))) {
+  const auto rhs = blocks.col(6);
+  Eigen::VectorXd x = shape == Shape::Symmetric ? solveByCholesky(matrix, rhs) : solveByLu(matrix, rhs);
+  if (shape == Shape::Symmetric && !solves(x, matrix, rhs)) x = solveByLu(matrix, rhs);
+  if (!solves(x, matrix, rhs)) {
     if (kind_ == Kind::Products) return {};
-    x = solveLeastSquares(matrix, all.col(size_));
+    x = solveLeastSquares(matrix, rhs);
   }
   return x.segment(first_, mine);
 }

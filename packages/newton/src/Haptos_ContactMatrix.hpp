@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 
@@ -47,9 +48,10 @@ class ContactMatrix {
 
  private:
   void makeDense() const;
-  bool mayStay(bool isConverged) const;
+  bool mayStay(const ContactEquations::Solution& solution) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
-  std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  enum class Shape { General, Symmetric };
+  std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
 
   RCP<const Operator> M_;
   const DualVectors& vectors_;
@@ -59,6 +61,7 @@ class ContactMatrix {
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
+  mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };
 
 }  // namespace Haptos

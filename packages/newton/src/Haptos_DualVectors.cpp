@@ -115,6 +115,23 @@ Eigen::VectorXd DualVectors::applyOnContact(const Operator& op, const Eigen::Vec
   return applyToContact(op, rows);
 }
 
+Eigen::MatrixXd DualVectors::applyOnContactByColumns(const Operator& op, const Eigen::MatrixXd& values) const {
+  MultiVector in(op.getDomainMap(), std::size_t(values.cols())), out(op.getRangeMap(), std::size_t(values.cols()));
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(values.rows(), values.cols());
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    const auto rows = in.getDataNonConst(std::size_t(j));
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      if (placeOf_[std::size_t(i)] >= 0) rows[placeOf_[std::size_t(i)]] = values(i, j);
+  }
+  op.apply(in, out);
+  for (Eigen::Index j = 0; j < values.cols(); ++j) {
+    const auto rows = out.getData(std::size_t(j));
+    for (Eigen::Index i = 0; i < values.rows(); ++i)
+      if (placeOf_[std::size_t(i)] >= 0) result(i, j) = rows[placeOf_[std::size_t(i)]];
+  }
+  return result;
+}
+
 // A rank alone has the sum already.
 void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {
   if (map_->getComm()->getSize() == 1 || values.size() == 0) return;

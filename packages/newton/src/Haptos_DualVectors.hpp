@@ -34,6 +34,7 @@ class DualVectors {
   /// @{
   Eigen::VectorXd applyToContact(const Operator& op, const Eigen::VectorXd& x) const;
   Eigen::VectorXd applyOnContact(const Operator& op, const Eigen::VectorXd& values) const;
+  Eigen::MatrixXd applyOnContactByColumns(const Operator& op, const Eigen::MatrixXd& values) const;
   /// @}
 
   /// \brief Sums over the ranks, in place.  Collective, one reduction.

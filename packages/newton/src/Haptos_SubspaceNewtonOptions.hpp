@@ -110,6 +110,8 @@ struct SubspaceNewtonOptions {
     /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (5 F became 21 at 1e-2).
     double reductionSlender = 1e-9;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
+    int trialSteps = 2;            ///< where a path has stages to begin at, Newton's method ends after so many steps that leave more
+    double trialLeaves = 0.5;      ///< than this: it found its way at once, or took all its steps for nothing
     double farthest = 10;          ///< growth of the jumps that ends it where friction holds bodies; 1e3 to 1e6 where it goes wrong
     double leastStep = 1e-3;       ///< of the line search; then the step of the least residual, or the full one
     double armijo = 1e-4;
@@ -125,6 +127,9 @@ struct SubspaceNewtonOptions {
     /// Of l . y that a step aims at: after a long step (of the way to the full one), after a short one.
     double pathFar = 0.1, pathNear = 0.4, pathLong = 0.7;
     double pathShortest = 1e-6;    ///< step that ends the path
+    /// A path begins at the last stage of the one before whose jumps leave so much more of the law than they did there: 6 to 9 steps
+    /// instead of 23.
+    double stageGrowth = 2;
   };
 
   /// \brief Rigid bodies on a frictional foundation, where floating bodies start (`solveFoundation`); no F.

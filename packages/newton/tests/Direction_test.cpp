@@ -4,6 +4,7 @@
 
 #include "DenseContact.hpp"
 #include "Haptos_ConePath.hpp"
+#include "Haptos_CountedOperator.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DirectionChoice.hpp"
 
@@ -106,7 +107,7 @@ TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLinearisedLaw) {
     const ContactMatrix matrix = contactMatrix(t, kind);
     SubspaceNewtonOptions::Condensed options;
     options.linearTolerance = 1e-13;
-    const CondensedContact condensed(t.dual.M, matrix, options);
+    CondensedContact condensed(t.dual.M, matrix, options);
     const DenseMatrix Mcc = t.contactM();
     const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
     const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
@@ -123,7 +124,7 @@ TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
     const ContactMatrix matrix = contactMatrix(t, kind);
     SubspaceNewtonOptions::Condensed options;
     options.reduction = 1e-9;
-    const CondensedContact condensed(t.dual.M, matrix, options);
+    CondensedContact condensed(t.dual.M, matrix, options);
     const CondensedContact::Step step = condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS);
     const auto after = linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r);
     TEST_COMPARE(t.vectors.norm(after.phi), <, 1e-8 * t.wholeLaw.phi.norm());
@@ -215,6 +216,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   const DenseVector b = M.topLeftCorner(n, n) * expected + held.replicate(kGroups, 1).cwiseProduct(expected);
   SubspaceNewtonOptions::Condensed options;
   options.pathLinearTolerance = 1e-6;
+  options.rowsOfStep = 0;  // by Krylov methods alone
   const auto errors = [&](const Eigen::MatrixXd& kernel) -> Eigen::Vector2d {
     const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(t.contactM().diagonal()), kernel},
                                t.vectors, ContactMatrix::Kind::Products, options);
@@ -246,10 +248,60 @@ TEUCHOS_UNIT_TEST(ConePath, EndsWhereTheLawHolds) {
     };
     const double start = residual(Eigen::VectorXd::Zero(s.size()));
     for (const SlipTerm slip : {SlipTerm::Value, SlipTerm::Derivative}) {
-      const Eigen::VectorXd sigma = followConePath(pairs, matrix, lambda, s, residual, 1e-4 * start, slip, {});
+      const Eigen::VectorXd sigma = ConePath({}).follow({pairs, matrix, lambda, s, slip}, residual, 1e-4 * start);
       out << "ratio " << c.coefficients[0] << " : " << c.coefficients[1] << ", residual " << residual(sigma) / start << "\n";
       TEST_COMPARE(residual(sigma), <=, 1e-4 * start);
     }
+  }
+}
+
+// Forces that differ by 1e-4 have a path that is the same but for its end; another law has another one.
+TEUCHOS_UNIT_TEST(ConePath, BeginsWhereTheLastOneIsStillGood) {
+  const Scene t(false);
+  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Products);
+  std::vector<PairLaw> pairs = t.dual.pairs, other = pairs;
+  for (PairLaw& pair : pairs) pair.coefficients = {0.5, 5e-3};
+  for (PairLaw& pair : other) pair.coefficients = {5e-3, 0.5};
+  const Eigen::VectorXd lambda = t.vectors.contact(t.myLambda), s = t.vectors.contact(t.myS);
+  ConePath path({});
+  const auto steps = [&](const std::vector<PairLaw>& law, const Eigen::VectorXd& forces, bool fromStages) {
+    int calls = 0;
+    const auto residual = [&](const Eigen::VectorXd& sigma) {
+      return t.vectors.norm(linearizeLaw(law, forces + matrix.multiply(sigma), s - sigma, t.r).phi);
+    };
+    const auto counted = [&](const Eigen::VectorXd& sigma) { return ++calls, residual(sigma); };
+    const double target = 1e-5 * residual(Eigen::VectorXd::Zero(s.size()));
+    const Eigen::VectorXd sigma = path.follow({law, matrix, forces, s, SlipTerm::Value}, counted, target, fromStages);
+    TEST_COMPARE(residual(sigma), <=, target);
+    return calls;
+  };
+  TEST_ASSERT(!path.hasStages());
+  const int cold = steps(pairs, lambda, true), near = steps(pairs, (1 + 1e-4) * lambda, true), again = steps(pairs, (1 + 1e-4) * lambda, false);
+  const int otherLaw = steps(other, lambda, true), otherCold = steps(other, lambda, false);
+  out << "evaluations of the law: " << cold << ", from stages " << near << ", without them " << again << ", another law " << otherLaw << "\n";
+  TEST_ASSERT(path.hasStages());
+  TEST_COMPARE(2 * near, <=, again);
+  TEST_EQUALITY(otherLaw, otherCold);
+}
+
+// Products that cost as much as the matrix end in it, where a factorisation costs less than those of a solve.
+TEUCHOS_UNIT_TEST(ContactMatrix, IsMadeWhereProductsHaveCostAsMuch) {
+  const Scene t(false);
+  const ContactMatrix::Blocks K(t.dual.pairs.size(), Eigen::Matrix3d::Identity());
+  const Eigen::VectorXd b = t.vectors.contact(t.myLambda);
+  for (const int rowsOfStep : {40, 1}) {
+    SubspaceNewtonOptions::Condensed options;
+    options.rowsOfStep = rowsOfStep;
+    const auto M = rcp(new CountedOperator(contactBlockOf(t.dual.M, t.dual.pairs)));
+    const ContactMatrix matrix({M, Eigen::VectorXd::Ones(b.size())}, t.vectors, ContactMatrix::Kind::Products, options);
+    const Eigen::VectorXd first = matrix.solveSymmetric(K, b);
+    long before = 0, last = M->applications();
+    for (int k = 0; k < 3 * kGroups; ++k) {
+      const Eigen::VectorXd x = matrix.solveSymmetric(K, b);
+      TEST_COMPARE(t.vectors.norm(x - first), <=, 1e-5 * t.vectors.norm(first));
+      before = std::exchange(last, M->applications());
+    }
+    TEST_EQUALITY(last == before, rowsOfStep == 40);
   }
 }
 

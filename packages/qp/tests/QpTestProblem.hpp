@@ -43,11 +43,13 @@ class DenseOperator : public Operator {
   RCP<const Map> getRangeMap() const override { return map_; }
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp = Teuchos::NO_TRANS, double alpha = 1,
              double beta = 0) const override {
-    ++applications;
-    MultiVector ax(map_, 1);
-    scatter(a_ * gather(x), ax);
+    applications += int(x.getNumVectors());
     if (beta == 0) y.putScalar(0);
-    y.update(alpha, ax, beta);
+    for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+      Vector ax(map_);
+      scatter(a_ * gather(*x.getVector(v)), ax);
+      y.getVectorNonConst(v)->update(alpha, ax, beta);
+    }
   }
   mutable int applications = 0;
 
