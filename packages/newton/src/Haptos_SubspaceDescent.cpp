@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SubspaceDescent.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace Haptos {
 
@@ -87,15 +89,18 @@ void SubspaceDescent::run(bool isFrozen, double bestNorm) {
 }
 
 // Where bodies float, what a model leaves of a step that goes up often falls below all that can be reached from here: its slip directions
-// are the better ones.  Where they do not, that helped nowhere, and took 79 F instead of 65 on an edge under Coulomb's law.
+// are the better ones.  Where they do not, that helped nowhere, and took 79 F instead of 65 on an edge under Coulomb's law.  From there the
+// reach is that of the model: a body that friction all but lets go slides as far as the model says.
 void SubspaceDescent::runFrom(const Eigen::VectorXd& planned, bool isFrozen, double bestNorm) {
   Candidate here{y_, law_, norm_, 0}, there = at(planned);
   const bool descends = there.norm < norm_;
-  if (!isWithinReach(there) || !(descends || setting_.isFloating)) return run(isFrozen, bestNorm);
+  if (!std::isfinite(there.norm) || !(descends || setting_.isFloating)) return run(isFrozen, bestNorm);
+  const double reach = std::exchange(reach_, std::max(reach_, setting_.options.farthest * there.jumps));
   moveTo(std::move(there));
   run(isFrozen, bestNorm);
   if (descends) return;
   there = {y_, law_, norm_, 0};
+  reach_ = reach;
   moveTo(std::move(here));
   run(isFrozen, bestNorm);
   if (there.norm < norm_) moveTo(std::move(there));

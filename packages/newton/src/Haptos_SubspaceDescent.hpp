@@ -61,7 +61,7 @@ class SubspaceDescent {
   Setting setting_;
   const Eigen::VectorXd lambda0_, s0_;  // contact values at y = 0
   const RecycledSubspace::Projected gluing0_;
-  const double reach_;  // of || s_c ||
+  double reach_;  // of || s_c ||
   Eigen::VectorXd y_;
   LawLinearization law_;
   double norm_;

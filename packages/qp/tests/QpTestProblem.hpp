@@ -7,6 +7,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
 #include <Tpetra_Operator.hpp>
+#include <Tpetra_Vector.hpp>
 #include <random>
 
 #include "Haptos_BoundEllipseSet.hpp"
