@@ -47,6 +47,14 @@ Mesh inverted() {
   return mesh;
 }
 
+/// Nodes between the two layers of the lower cube on one line: the upper layer can turn about it.
+Mesh folded() {
+  Mesh mesh = stack(2, 2);
+  for (auto& x : mesh.coordinates)
+    if (x[2] == 0.5) x[1] = 0;
+  return mesh;
+}
+
 Mesh notANumber() {
   Mesh mesh = stack(2, 2);
   mesh.coordinates[7][1] = std::nan("");
@@ -117,6 +125,7 @@ int main(int argc, char* argv[]) {
   writeMesh(folder + "/apart.exo", apart());
   writeMesh(folder + "/non_matching.exo", stack(2, 3));
   writeMesh(folder + "/inverted.exo", inverted());
+  writeMesh(folder + "/folded.exo", folded());
   writeMesh(folder + "/not_a_number.exo", notANumber());
   writeMesh(folder + "/tiny.exo", scaled(1e-60));
   writeMesh(folder + "/huge.exo", scaled(1e60));

@@ -160,6 +160,9 @@ class WrongMesh(WrongInput):
     def test_inverted_element(self):
         self.refuse(stack(Mesh__File="inverted.exo"), "14", "inverted")
 
+    def test_side_without_area(self):
+        self.refuse(stack(Mesh__File="folded.exo"), "elements 1 and 5 share a side without area")
+
     def test_quadratic_element_with_a_middle_at_a_corner(self):
         self.refuse(stack(Mesh__File="middle_at_corner.exo"), "element 1 (HEX20)", "lower", "its node 9", "middle")
         self.refuse(stack(Mesh__File="middle_is_corner.exo"), "element 1 (HEX20)", "lower", "its node 9", "middle")

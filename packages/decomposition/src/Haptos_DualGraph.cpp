@@ -37,14 +37,17 @@ struct Edge {
   double coupling;
 };
 
-// Area of a plane triangle or quadrilateral; of a warped one, that of its projection along its mean normal.
+// Area of a plane triangle or quadrilateral; of a warped one, that of its projection along its mean normal.  0 where the corners lie on
+// one line: as stiff as the side is flat, squared, the joint is lost in round-off from 1e-7 on.
 double sideArea(const Mesh& mesh, const Index* element, const SideNodes& side) {
+  constexpr double kFlat = 1e-10;
   const auto diagonal = [&](int from, int to) {
     const auto &a = mesh.coordinates[std::size_t(element[side[from]])], &b = mesh.coordinates[std::size_t(element[side[to]])];
     return Point{b[0] - a[0], b[1] - a[1], b[2] - a[2]};
   };
   const auto p = diagonal(0, 2), q = side.numCorners == 3 ? diagonal(0, 1) : diagonal(1, 3);
-  return 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
+  const double area = 0.5 * std::hypot(p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]);
+  return area < kFlat * std::hypot(p[0], p[1], p[2]) * std::hypot(q[0], q[1], q[2]) ? 0 : area;
 }
 
 std::vector<Face> sortedFaces(const PartialMesh& part) {
@@ -92,7 +95,7 @@ std::vector<Edge> matchOwnFaces(const OwnElements& own, std::vector<SentFace>& t
   std::vector<Edge> edges;
   for (std::size_t i = 0, j = 0; i < faces.size(); i = j) {
     while (j < faces.size() && faces[j].nodes == faces[i].nodes) ++j;
-    const bool fits = j - i == 1 || (j - i == 2 && faces[i].sumOfOthers == faces[i + 1].sumOfOthers);
+    const bool fits = j - i == 1 || (j - i == 2 && faces[i].sumOfOthers == faces[i + 1].sumOfOthers && faces[i].area != 0);
     if (j - i == 2) {
       const int a = faces[i].element, b = faces[i + 1].element;
       const double coupling = couplingOf(faces[i].area, centroids[std::size_t(a)], centroids[std::size_t(b)]);
@@ -119,6 +122,9 @@ void matchSentFaces(const OwnElements& own, std::vector<SentFace> faces, std::ve
       throw InputError("Mesh: elements " + std::to_string(faces[i].number) + " and " + std::to_string(faces[i + 1].number) +
                        " share the corners of a side, but not the nodes in the middle of its edges or of itself; where linear and "
                        "quadratic elements meet, or HEX27 and others, give each side nodes of its own and tie the two by a contact.");
+    if (faces[i].area == 0)
+      throw InputError("Mesh: elements " + std::to_string(faces[i].number) + " and " + std::to_string(faces[i + 1].number) +
+                       " share a side without area: its corners lie on one line, about which the two could turn; move or merge its nodes.");
     const Index a = faces[i].element, b = faces[i + 1].element;
     const int rankOfA = own.elements.owner(a), rankOfB = own.elements.owner(b);
     if (rankOfA == rankOfB) continue;  // joined there

@@ -114,16 +114,16 @@ Portions portionsOf(const Communicator& comm, const OwnElements& own, const Dual
 }
 
 // Subdomains are numbered portion after portion: every portion knows its first number without asking.
-Partition metisPartition(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
+Partition metisPartition(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
                          const PartitionOptions& options) {
-  const Portions portions = portionsOf(comm, own, graph, bodies.pieces, options);
+  const Portions portions = portionsOf(comm, own, graph, pieces, options);
   Partition result;
   auto cut = cutOnRanks(comm, own, graph, portions.cuts, result.elementsCut);
   std::vector<int> first;
   for (std::size_t p = 0; p < portions.pieceOf.size(); ++p) {
     first.push_back(result.count);
     result.count += portions.cuts.parts[p];
-    result.bodyOfSubdomain.resize(std::size_t(result.count), bodies.ofPiece[std::size_t(portions.pieceOf[p])]);
+    result.pieceOfSubdomain.resize(std::size_t(result.count), portions.pieceOf[p]);
   }
   result.ofElement = std::move(cut.part);
   for (std::size_t e = 0; e < result.ofElement.size(); ++e) result.ofElement[e] += first[std::size_t(portions.cuts.ofElement[e])];
@@ -131,19 +131,25 @@ Partition metisPartition(const Communicator& comm, const OwnElements& own, const
   return result;
 }
 
+Partition asItComes(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
+                    const PartitionOptions& options) {
+  Partition result;
+  result.ofElement = options.method == PartitionMethod::Bricks ? options.bricks : pieces.ofElement;
+  TEUCHOS_ASSERT(result.ofElement.size() == own.part.elements.size());
+  auto mended = mendParts(comm, own, graph, pieces, result.ofElement);
+  result.mended = mended.moved;
+  result.count = int(mended.firstPiece.size());
+  result.pieceOfSubdomain = std::move(mended.firstPiece);
+  return result;
+}
+
 }  // namespace
 
 Partition partitionMesh(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
                         const PartitionOptions& options) {
-  if (options.method == PartitionMethod::Metis) return metisPartition(comm, own, graph, bodies, options);
-  Partition result;
-  result.ofElement = bodies.pieces.ofElement;
-  if (options.method == PartitionMethod::Bricks) result.ofElement = options.bricks;
-  TEUCHOS_ASSERT(result.ofElement.size() == own.part.elements.size());
-  const auto mended = mendParts(comm, own, graph, bodies.pieces, result.ofElement);
-  result.mended = mended.moved;
-  result.count = int(mended.firstPiece.size());
-  for (int piece : mended.firstPiece) result.bodyOfSubdomain.push_back(bodies.ofPiece[std::size_t(piece)]);
+  Partition result = options.method == PartitionMethod::Metis ? metisPartition(comm, own, graph, bodies.pieces, options)
+                                                              : asItComes(comm, own, graph, bodies.pieces, options);
+  for (int piece : result.pieceOfSubdomain) result.bodyOfSubdomain.push_back(bodies.ofPiece[std::size_t(piece)]);
   return result;
 }
 

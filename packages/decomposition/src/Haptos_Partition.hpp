@@ -22,7 +22,7 @@ struct PartitionOptions : DecompositionOptions {
 struct Partition {
   int count = 0;
   std::vector<int> ofElement;        ///< [this rank's elements] subdomain of an element
-  std::vector<int> bodyOfSubdomain;  ///< [count]
+  std::vector<int> pieceOfSubdomain, bodyOfSubdomain;  ///< [count]
   int mended = 0;                    ///< fragments that the cut left disconnected and that went to a neighbour
   std::int64_t elementsCut = 0;      ///< elements that this rank cut for others and itself
 };

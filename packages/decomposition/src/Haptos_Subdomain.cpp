@@ -70,6 +70,7 @@ std::vector<Subdomain> extractSubdomains(const Mesh& mesh, const Partition& part
   for (int s = 0; s < partition.count; ++s) {
     subdomains[s].id = s;
     subdomains[s].body = partition.bodyOfSubdomain[s];
+    subdomains[s].piece = partition.pieceOfSubdomain[s];
   }
   const auto places = dealElements(mesh, partition, materialOfBlock, subdomains);
   for (auto& sub : subdomains) localise(mesh, sub);
@@ -98,7 +99,9 @@ std::vector<Subdomain> dealSubdomains(const Communicator& comm, const OwnElement
   const int first = int(begin - rankOf.begin());
   Partition mine;
   mine.count = int(end - begin);
-  mine.bodyOfSubdomain.assign(partition.bodyOfSubdomain.begin() + first, partition.bodyOfSubdomain.begin() + first + mine.count);
+  const auto mineOf = [&](const std::vector<int>& all) { return std::vector<int>(all.begin() + first, all.begin() + first + mine.count); };
+  mine.bodyOfSubdomain = mineOf(partition.bodyOfSubdomain);
+  mine.pieceOfSubdomain = mineOf(partition.pieceOfSubdomain);
   for (int tag : sent.tags) mine.ofElement.push_back(tag - first);
   auto subdomains = extractSubdomains(sent.part.mesh, mine, materialOfBlock);
   for (auto& sub : subdomains) {

@@ -26,6 +26,7 @@ struct SubdomainSide {
 struct Subdomain {
   int id = 0;    ///< global, 0-based
   int body = 0;  ///< global, 0-based
+  int piece = 0; ///< the same, see `Bodies`
   std::vector<std::int64_t> nodes;                 ///< [numNodes] mesh node index, ascending
   std::vector<std::array<double, 3>> coordinates;  ///< [numNodes]
   std::vector<ElementGroup> groups;                ///< one per element block that has elements here

@@ -252,10 +252,11 @@ std::vector<int> orderSubdomains(const Communicator& comm, const OwnElements& ow
   });
   order = gatheredOnAll(comm, order);
   std::vector<int> number(order.size()), ordered;
-  const auto bodies = partition.bodyOfSubdomain;
+  const Partition before = partition;
   for (std::size_t i = 0; i < order.size(); ++i) {
     number[std::size_t(order[i])] = int(i);
-    partition.bodyOfSubdomain[i] = bodies[std::size_t(order[i])];
+    partition.bodyOfSubdomain[i] = before.bodyOfSubdomain[std::size_t(order[i])];
+    partition.pieceOfSubdomain[i] = before.pieceOfSubdomain[std::size_t(order[i])];
     ordered.push_back(numNodes[std::size_t(order[i])]);
   }
   for (int& s : partition.ofElement) s = number[std::size_t(s)];

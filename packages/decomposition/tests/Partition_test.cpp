@@ -188,6 +188,23 @@ TEUCHOS_UNIT_TEST(Partition, HingedBodyIsCutAtTheHinge) {
   TEST_THROW(cut(mesh, metis(1)), InputError);
 }
 
+// The middle layer of nodes pushed together along y: elements above and below share sides that are lines, up to round-off.
+TEUCHOS_UNIT_TEST(Partition, SidesWithoutAreaAreRefused) {
+  for (const double width : {0.0, 1e-12, 1e-6}) {
+    Mesh mesh = box({2, 2, 2});
+    for (auto& x : mesh.coordinates)
+      if (x[2] == 0.5) x[1] *= width;
+    std::string message;
+    try {
+      graphOf(mesh);
+    } catch (const InputError& e) {
+      message = e.what();
+    }
+    out << message << "\n";
+    TEST_EQUALITY(message.find("elements 1 and 5 share a side without area") != std::string::npos, width < 1e-10);
+  }
+}
+
 TEUCHOS_UNIT_TEST(Partition, BodiesAreCutByThemselves) {
   BoxSpec small, large;
   small.blockName = "small";

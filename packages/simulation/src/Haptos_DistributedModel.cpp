@@ -16,12 +16,16 @@
 namespace Haptos {
 namespace {
 
-std::vector<std::string> hingedBodies(const Bodies& bodies) {
-  std::vector<int> pieces(bodies.names.size(), 0);
+// The name of a body that is one piece; of one that nodes or edges alone hold together, those of its pieces.
+std::vector<std::string> namePieces(const Bodies& bodies) {
+  std::vector<int> pieces(bodies.names.size(), 0), seen(bodies.names.size(), 0);
   for (int body : bodies.ofPiece) ++pieces[std::size_t(body)];
   std::vector<std::string> names;
-  for (std::size_t b = 0; b < pieces.size(); ++b)
-    if (pieces[b] > 1) names.push_back(bodies.names[b]);
+  for (const int body : bodies.ofPiece) {
+    const auto b = std::size_t(body);
+    names.push_back(bodies.names[b]);
+    if (pieces[b] > 1) names.back() += " (piece " + std::to_string(++seen[b]) + " of " + std::to_string(pieces[b]) + ", joined by nodes or edges alone)";
+  }
   return names;
 }
 
@@ -31,7 +35,7 @@ Partition cutMesh(const Communicator& comm, const OwnElements& own, const Partit
   const Bodies bodies = findBodies(comm, own, graph);
   data.bodyNames = bodies.names;
   data.metis = options.method == PartitionMethod::Metis;
-  data.hinged = hingedBodies(bodies);
+  data.pieceNames = namePieces(bodies);
   Partition partition = partitionMesh(comm, own, graph, bodies, options);
   data.mendedFragments = partition.mended;
   return partition;

@@ -35,7 +35,7 @@ struct ModelData {
   std::vector<FrictionSpec> friction;        ///< [interfaces]
   std::vector<std::string> interfaceNames;
   std::vector<std::string> bodyNames;
-  std::vector<std::string> hinged;           ///< bodies whose pieces hang together by nodes or edges alone
+  std::vector<std::string> pieceNames;       ///< of the side-connected pieces of bodies
   Formulation formulation = Formulation::Standard;
   std::vector<std::string> notes;            ///< full sentences for the report, also printed as warnings
   std::vector<std::string> remarks;          ///< full sentences for the report

@@ -91,9 +91,12 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
   if (capMaterials(model.data.materials, capped))
     system.softened = std::make_shared<ElasticStiffness>(model.subdomains, capped, model.data.formulation);
   system.firstSubdomain = model.firstSubdomain;
-  for (const auto& sub : model.subdomains) system.bodies.push_back(sub.body);
+  for (const auto& sub : model.subdomains) {
+    system.bodies.push_back(sub.body);
+    system.pieces.push_back(sub.piece);
+  }
   system.bodyNames = model.data.bodyNames;
-  system.hinged = model.data.hinged;
+  system.pieceNames = model.data.pieceNames;
   system.interfaceNames = model.data.interfaceNames;
   system.friction = model.data.friction;
   system.multipliers = model.multipliers;

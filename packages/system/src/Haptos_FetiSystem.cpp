@@ -50,9 +50,10 @@ void FetiSystem::useRows() {
   jump_ = Teuchos::rcp(new JumpOperator(model_.multipliers, model_.firstSubdomain, sizesOf(*model_.stiffness)));
   touched_ = std::make_unique<TouchedUnknowns>(*systems_, *jump_);
   G_ = Teuchos::rcp(new NaturalCoarseSpace(jump_, *systems_));
-  bodies_ = std::make_unique<BodyMotions>(*G_, *systems_, model_.bodies, model_.bodyNames);
-  unheld_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing; });
-  floating_ = motionsUnheldBy([](RowKind kind) { return kind != RowKind::Gluing && isEquality(kind); });
+  bodies_ = std::make_unique<BodyMotions>(*G_, *systems_, model_.pieces, model_.pieceNames);
+  const bool isHinged = model_.pieceNames.size() > model_.bodyNames.size();  // else gluing rows feel no motion
+  unheld_ = motionsUnheldBy([&](RowKind kind) { return isHinged || kind != RowKind::Gluing; });
+  floating_ = motionsUnheldBy([&](RowKind kind) { return isEquality(kind) && (isHinged || kind != RowKind::Gluing); });
 }
 
 template <class Holds>
@@ -67,7 +68,7 @@ void FetiSystem::setStep(StepData step) {
   const Eigen::VectorXd e = G_->restrictLoad(*step.f, *systems_);
   const double loadScale = step.f->getVector(0)->norm2();
   requireBalance(unheld_, *bodies_, e, loadScale);
-  requireAdmissibleLoads(law_, *model_.multipliers, *G_, e, *bodies_, loadScale);
+  requireAdmissibleLoads(law_, floating_, *G_, e, *bodies_, loadScale);
   step_ = std::move(step);
   if (isFormed()) dual_.setStep(step_);
 }
@@ -130,10 +131,6 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
     GGT = Teuchos::rcp(new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holdsFor(unheld_, *bodies_),
                                          CoarseProblem::Factor::Now));
   } catch (const std::runtime_error&) {  // thrown on all ranks
-    if (!model_.hinged.empty())
-      throw InsufficientModel("The model has no solution: pieces of body '" + model_.hinged.front() +
-                              "' hang together by single nodes or edges, and a rotation about these is held by nothing. "
-                              "Join them by element sides, or hold every piece.");
     if (model_.isOwn)
       throw InsufficientModel("The model has no solution: a motion that costs no energy in the kernels given with the stiffnesses, and is "
                               "not a rigid one, is held by nothing. Prescribe displacements against it.");

@@ -14,21 +14,6 @@ namespace {
 
 using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-// Basis of the body motions that Dirichlet and tied rows do not feel.
-Eigen::MatrixXd freeMotions(const Communicator& comm, const MultiplierMap& multipliers, const SparseRows& GZ) {
-  constexpr double kFree = 1e-10;
-  Eigen::MatrixXd A = Eigen::MatrixXd::Zero(GZ.cols(), GZ.cols());
-  for (int row = 0; row < GZ.rows(); ++row) {
-    if (multipliers.kinds()[row] != RowKind::Dirichlet && multipliers.kinds()[row] != RowKind::Tied) continue;
-    const Eigen::VectorXd r = GZ.row(row).transpose();
-    A.noalias() += r * r.transpose();
-  }
-  const SymmetricEigen eigen(sumOfAll(comm, A));
-  Eigen::Index k = 0;
-  while (k < GZ.cols() && eigen.values[k] <= kFree * std::max(1.0, eigen.values.tail<1>()[0])) ++k;
-  return eigen.vectors.leftCols(k);
-}
-
 // Coulomb's cone with all three components in it, which the law of a pair is not: forces are asked for, not motions.
 bool isCone(const PairLaw& pair) { return pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned; }
 
@@ -128,17 +113,16 @@ class RigidBalance {
 
 // Exists lambda in the cones with H^T lambda = b?  The regularised dual function is minimised; what imbalance is left where it is
 // least tells, and its a the motion that nothing stops.
-void requireAdmissibleLoads(const ContactLaw& law, const MultiplierMap& multipliers, const NaturalCoarseSpace& G,
+void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating, const NaturalCoarseSpace& G,
                             const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
   constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
   constexpr double kUnnamed = 0.05;   // rotations that move no node by a twentieth of the translation
-  const Communicator& comm = *multipliers.map()->getComm();
-  const SparseRows GZ = G.rows() * bodies.Z();
-  const Eigen::MatrixXd N = freeMotions(comm, multipliers, GZ);
-  if (N.cols() == 0) return;
+  if (floating.basis.cols() == 0) return;
+  const Eigen::MatrixXd N = orthonormalBasis(floating.basis);
   const Eigen::VectorXd b = N.transpose() * (bodies.Z().transpose() * e);
   if (b.norm() <= 1e-9 * loadScale) return;
-  const RigidBalance balance(comm, law, pairRows(law, GZ, N), b);
+  const SparseRows GZ = G.rows() * bodies.Z();
+  const RigidBalance balance(*G.getRangeMap()->getComm(), law, pairRows(law, GZ, N), b);
   const DualState state = balance.solve();
   if (balance.imbalance(state) <= kBalanced * b.norm()) return;
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +

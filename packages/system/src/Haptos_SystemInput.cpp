@@ -157,7 +157,8 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   model.isOwn = true;
   model.firstSubdomain = first_;
   for (const auto& sub : dealt_) model.bodies.push_back(sub.body);
-  model.bodyNames = nameBodies();
+  model.pieces = model.bodies;
+  model.pieceNames = model.bodyNames = nameBodies();
   for (const auto& interface : interfaces) model.interfaceNames.push_back(interface.name);
   model.friction = friction();
   model.gather = gather_;

@@ -20,9 +20,9 @@ struct SystemModel {
   /// For the preconditioner where K is nearly incompressible (what F does not mirror), on the same nodes; null: the same.
   std::shared_ptr<const SubdomainStiffness> softened;
   int firstSubdomain = 0;
-  std::vector<int> bodies;                  ///< [local subdomains]
+  std::vector<int> bodies, pieces;          ///< [local subdomains]; pieces of a body are joined by nodes or edges alone, and may turn there
   std::vector<std::string> bodyNames;       ///< the same on all ranks, as the names and laws below
-  std::vector<std::string> hinged;          ///< bodies whose pieces hang together by nodes or edges alone
+  std::vector<std::string> pieceNames;      ///< those of the bodies where each is one piece
   std::vector<std::string> interfaceNames;
   std::vector<FrictionSpec> friction;       ///< [interfaces]
   RCP<const MultiplierMap> multipliers;

@@ -22,6 +22,9 @@ class Block {
     feti_ = makeFeti(Tpetra::getDefaultComm(), scene_);
     law_ = std::make_unique<ContactLaw>(makeContactLaw(*feti_.dealt.multipliers, {friction}));
     bodies_ = std::make_unique<BodyMotions>(bodyMotions(feti_, scene_));
+    std::vector<char> holds;
+    for (const RowKind kind : feti_.dealt.multipliers->kinds()) holds.push_back(isEquality(kind));
+    floating_ = findUnheldMotions(*feti_.comm, feti_.G->rows(), bodies_->Z(), holds);
     std::map<std::int64_t, int> copies;
     for (const auto& sub : scene_.subdomains)
       for (auto node : sub.nodes) ++copies[node];
@@ -38,8 +41,7 @@ class Block {
           f[offsets[sub.id] + 3 * i + d] = force(sub.coordinates[i])[d] / copies_.at(sub.nodes[i]);
     const auto load = scattered(feti_.dealt.jump->getDomainMap(), f);
     try {
-      requireAdmissibleLoads(*law_, *feti_.dealt.multipliers, *feti_.G, feti_.G->restrictLoad(*load, *feti_.systems), *bodies_,
-                             load->norm2());
+      requireAdmissibleLoads(*law_, floating_, *feti_.G, feti_.G->restrictLoad(*load, *feti_.systems), *bodies_, load->norm2());
     } catch (const InsufficientModel& e) {
       return e.what();
     }
@@ -61,6 +63,7 @@ class Block {
   Feti feti_;
   std::unique_ptr<ContactLaw> law_;
   std::unique_ptr<BodyMotions> bodies_;
+  UnheldMotions floating_;
   std::map<std::int64_t, int> copies_;
 };
 
