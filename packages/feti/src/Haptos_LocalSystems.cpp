@@ -8,6 +8,8 @@
 #include <map>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_Error.hpp"
+#include "Haptos_Format.hpp"
 #include "Haptos_SparseBlocks.hpp"
 
 namespace Haptos {
@@ -22,6 +24,15 @@ bool samePattern(const Eigen::SparseMatrix<double>& a, const Eigen::SparseMatrix
 }
 
 constexpr int kBlock = 64;  // right-hand sides at once: enough for BLAS 3, small enough for the cache
+
+// "from (0, 0, 0) to (2, 1, 1)"
+std::string describeExtent(const Coordinates& coordinates) {
+  auto lower = coordinates.front(), upper = lower;
+  for (const auto& x : coordinates)
+    for (std::size_t d = 0; d < 3; ++d) lower[d] = std::min(lower[d], x[d]), upper[d] = std::max(upper[d], x[d]);
+  const auto text = [](const auto& x) { return "(" + formatted("%g", x[0]) + ", " + formatted("%g", x[1]) + ", " + formatted("%g", x[2]) + ")"; };
+  return "from " + text(lower) + " to " + text(upper);
+}
 
 // Seconds of construction and of the applications of F and M of a typical run, by both ways.  The rates are those of
 // one core of a current processor; only their ratios matter.
@@ -186,11 +197,15 @@ void LocalSystems::factor(const TouchedUnknowns& touched, LocalSolverMethod meth
   }
 }
 
-void LocalSystems::makeFactor(int c, LocalSolverMethod method) {
+void LocalSystems::makeFactor(int c, LocalSolverMethod method) try {
   const int i = representative_[c];
   solvers_[c] = std::make_unique<LocalSolver>(systems_[i].K, systems_[i].kernel, source_->coordinates(i), method);
   solvers_[c]->releaseMatrix();
   ++factorizations_;
+} catch (const UselessFactor&) {
+  throw InsufficientModel("The model cannot be solved with 16 digits: of the part " + describeExtent(source_->coordinates(representative_[c])) +
+                          " some deformation meets next to no stiffness beside that of others. Its elements are too flat or too long, its "
+                          "materials too different, or its elements joined by next to nothing.");
 }
 
 // Rows moved: what is dense on a surface that rows leave or enter is made again, what is sparse does not know of rows.

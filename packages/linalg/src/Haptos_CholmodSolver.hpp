@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_SupernodalFactor.hpp"
 
 namespace Haptos {
@@ -221,8 +222,7 @@ template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
   auto a = sparseView(kUpper);
   const bool ran = cholmod_factorize(&a, factor_, &common_);
-  TEUCHOS_TEST_FOR_EXCEPTION(common_.status == CHOLMOD_NOT_POSDEF || (ran && factor_->minor < factor_->n),
-                             std::runtime_error,
+  TEUCHOS_TEST_FOR_EXCEPTION(common_.status == CHOLMOD_NOT_POSDEF || (ran && factor_->minor < factor_->n), UselessFactor,
                              "CHOLMOD: the matrix of " << a.nrow << " unknowns is not positive definite: pivot of column "
                                                        << failedColumn());
   TEUCHOS_TEST_FOR_EXCEPTION(!ran, std::runtime_error,

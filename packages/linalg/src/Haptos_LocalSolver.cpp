@@ -58,7 +58,7 @@ void LocalSolver::checkAccuracy() const {
   for (Eigen::Index i = 0; i < probe.size(); ++i) probe[i] = std::sin(1.0 + 7.0 * double(i) + 0.3 * double(i % 11));
   factor_.solve(probe, answer);
   const double residual = (probe - Kreg * answer).norm() / probe.norm();
-  TEUCHOS_TEST_FOR_EXCEPTION(!(residual <= 1e-4), std::runtime_error,
+  TEUCHOS_TEST_FOR_EXCEPTION(!(residual <= 1e-4), UselessFactor,
                              "LocalSolver: the factor of a subdomain of " << Kreg.rows() << " unknowns and "
                                  << kernel_->cols() << " kernel columns is useless (relative residual " << residual
                                  << "): a motion without energy is missing from its kernel, or its stiffness is too ill-conditioned");

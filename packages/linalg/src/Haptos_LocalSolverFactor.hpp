@@ -3,6 +3,7 @@
 #include <Eigen/SparseCore>
 #include <cstddef>
 #include <memory>
+#include <stdexcept>
 
 #include "Haptos_Options.hpp"
 
@@ -13,6 +14,12 @@ enum class FactorPrecision { Double, Single };
 
 /// Whether this build can factor by CHOLMOD.
 bool hasCholmod();
+
+/// \brief A matrix is singular in double precision, or so nearly that its factor solves nothing.
+class UselessFactor : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// \brief What factors cost: multiplications to make them, entries kept, bytes that solves read.
 struct FactorWork {
@@ -41,13 +48,13 @@ class LocalSolverFactor {
   using MatrixView = Eigen::Map<const Eigen::SparseMatrix<double>>;
 
   /// \throws InputError if CHOLMOD is asked for and not built in.
-  /// \throws std::runtime_error if A is not positive definite; CHOLMOD names the column.
+  /// \throws UselessFactor if A is not positive definite; CHOLMOD names the column, of others std::runtime_error.
   LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision = FactorPrecision::Double);
   ~LocalSolverFactor();
   LocalSolverFactor(LocalSolverFactor&&) noexcept;
 
   /// \brief Factors another matrix of the same pattern; the analysis of the first one serves it too.
-  /// \throws std::runtime_error if it is not positive definite.
+  /// \throws UselessFactor if it is not positive definite.
   void renew(const Eigen::SparseMatrix<double>& A);
 
   /// X := A^-1 B, both n x m, in one call to the solver.  B and X must not overlap.  May be called from

@@ -194,6 +194,24 @@ TEUCHOS_UNIT_TEST(Simulation, UnheldBodyIsNamed) {
   TEST_ASSERT(contains(message, "body 'bar'") && contains(message, "held by nothing"));
 }
 
+// A sheet whose bending stiffness is lost beside that of its plane: told where it is, on all ranks.
+TEUCHOS_UNIT_TEST(Simulation, WhatDoublePrecisionCannotHoldIsRefused) {
+  for (const double thickness : {1e-5, 1e-8}) {
+    SourceMesh sheet = bar();
+    for (auto& x : sheet.mesh.coordinates) x[2] *= thickness;
+    Run run(barParameters(), sheet);
+    run.simulation->prepare();
+    std::string message;
+    try {
+      run.simulation->solve();
+    } catch (const InsufficientModel& e) {
+      message = e.what();
+    }
+    out << message << "\n";
+    TEST_ASSERT(contains(message, "cannot be solved with 16 digits") && contains(message, "of the part from ("));
+  }
+}
+
 // The cut and the rows are made once, on the reader: they do not know the number of ranks.
 TEUCHOS_UNIT_TEST(Simulation, ModelIsTheSameOnOneRank) {
   const RCP<const Communicator> self = Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF));
