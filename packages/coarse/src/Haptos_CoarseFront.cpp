@@ -102,7 +102,7 @@ bool CoarseFront::factorPanel(Panel& panel, Eigen::MatrixXd& message) {
   panel.W.rightCols(w).setIdentity();
   L.solveInPlace(panel.W);
   Eigen::MatrixXd lower = panel.columns.bottomRows(below);
-  diagonal.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(lower);
+  if (below > 0) diagonal.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(lower);
   message.topRows(before + w) = panel.W.transpose();
   message.bottomRows(below) = lower;
   panel.columns = lower.bottomRows(kModes * Eigen::Index(rest_.size()));

@@ -53,7 +53,7 @@ class RigidBalance {
  public:
   RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b)
       : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)) {
-    const double trace = sumOfAll(comm, H_.squaredNorm());
+    const double trace = sumOfAll(comm, H_.coeffs().square().sum());  // a rank may have no pairs
     eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
   }
 
