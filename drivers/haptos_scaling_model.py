@@ -110,12 +110,18 @@ def jump_traffic(k, p, ranks):
     return forward, transposed
 
 
-def shared_factor(coarse, ranks):
+def counts_factors(summary):
+    """KLU2 keeps L and U, its multiplications are not counted, and ranks cannot share its coarse factor: one rank has it."""
+    return "without CHOLMOD" not in summary["haptos"]["build"]
+
+
+def shared_factor(summary):
     """What a solve with a factor that all ranks share sends at most, in how many reductions, and how much of the work the busiest rank has."""
+    ranks, coarse = summary["haptos"]["ranks"], summary["coarse"]
     depth = math.ceil(math.log2(ranks))
     rows = [("bytes of the coarse solves <=", coarse["solves"] * 16 * (coarse["unknowns"] + coarse["between"] + coarse["last"]), coarse["solve_bytes"]),
             ("reductions of the coarse solves <=", coarse["solves"] * (2 * depth + 4), coarse["solve_reductions"])]
-    if coarse["unknowns"] < 6 * EVEN_FROM * ranks:
+    if coarse["unknowns"] < 6 * EVEN_FROM * ranks or not counts_factors(summary):
         return rows
     return rows + [(f"{text}, most of a rank <=", int(busiest_share(ranks) * coarse[name + "_all"]), int(coarse[name]))
                    for name, text in (("flops", "multiplications in coarse factors"), ("entries_read", "coarse entries read"))]
@@ -155,7 +161,7 @@ def compare_parts(summary, p):
                          int(sent["over_ranks"]["message_bytes"]["max"])))
     if coarse["factors"] < ranks:
         held = int(busiest_share(ranks) * 2.2 * 27 * coarse["unknowns"] ** (4 / 3))
-        rows += shared_factor(coarse, ranks) + [("coarse entries held, most of a rank <=", held, coarse["factor_entries"])]
+        rows += shared_factor(summary) + [("coarse entries held, most of a rank <=", held, coarse["factor_entries"])]
     return rows
 
 
@@ -168,12 +174,12 @@ def compare(summary, k, p):
             ("unknowns", unknowns(k, p), summary["model"]["primal_unknowns"]),
             ("coarse unknowns", coarse_unknowns(k), coarse["unknowns"]),
             ("coarse blocks", coarse_blocks(k), coarse["blocks"]),
-            ("coarse factor entries <=", int(factor_entries_bound(k)), coarse["factor_entries"])]
+            ("coarse factor entries <=", int((1 if counts_factors(summary) else 2) * factor_entries_bound(k)), coarse["factor_entries"])]
     if coarse["factors"] == ranks:
         per_solve = 8 * coarse_unknowns(k) if ranks > 1 else 0
         rows.append(("bytes of the coarse solves", per_solve * coarse["solve_reductions"], coarse["solve_bytes"]))
     else:
-        rows += shared_factor(coarse, ranks)
+        rows += shared_factor(summary)
     forward, transposed = jump_traffic(k, p, ranks)
     for name, expected, block in (("B", forward, "jump"), ("B^T", transposed, "jump_transposed")):
         measured = summary["communication"][block]

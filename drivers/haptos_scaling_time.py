@@ -23,7 +23,7 @@ import shlex
 import subprocess
 import sys
 
-from haptos_scaling_model import faces_of_boxes
+from haptos_scaling_model import counts_factors, faces_of_boxes
 from haptos_scaling_run import Failure, Runner, processors, write_csv
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
@@ -71,6 +71,8 @@ def told_seconds(run):
 
 
 def work_of(run, rates):
+    if not counts_factors(run):
+        raise Failure("this haptos is built without CHOLMOD, and multiplications of KLU2's factors are not counted; build it with CHOLMOD")
     local, count, seconds = run["local"], run["solver"]["hessian_multiplications"], told_seconds(run)
     elements = local["elements_all"]
     return Work(part=elements / run["model"]["subdomains"], multiplications=count, unknowns=run["model"]["primal_unknowns"] / elements,
