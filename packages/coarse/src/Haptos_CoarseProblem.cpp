@@ -153,7 +153,7 @@ void CoarseProblem::renew(const Weighted& changing) {
 }
 
 // On the holders only.  Where all ranks hold, all do the same with the same numbers; else the others wait for the holders' word.
-void CoarseProblem::factor(CoarseBlocks changing) {
+void CoarseProblem::factor(CoarseBlocks changing) try {
   changingBlocks_ = std::move(changing);
   CoarseCosts& costs = placement_->costs();
   ++costs.setUps;
@@ -174,6 +174,8 @@ void CoarseProblem::factor(CoarseBlocks changing) {
     error = describeCurrentException();
   }
   broadcastAndThrow(placement_->comm(), error, placement_->firstHolder());  // all holders have the same matrix
+} catch (const std::runtime_error& e) {
+  throw UselessFactor(e.what());
 }
 
 // P^T A P = L L^T, sparse, of all unknowns

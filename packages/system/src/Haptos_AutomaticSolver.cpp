@@ -3,6 +3,7 @@
 
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
+#include "Haptos_LocalSolverFactor.hpp"
 
 namespace Haptos {
 
@@ -40,6 +41,13 @@ bool AutomaticSolver::run(ContactSolver& solver, const SolveRequest& request) {
   return passed;
 }
 
+bool AutomaticSolver::runNewton(const SolveRequest& request) try {
+  return run(newton_, request);
+} catch (const UselessFactor&) {  // on all ranks
+  newtonFails_ = true;
+  return false;
+}
+
 // By the same estimate for all methods, without a tolerance: what round-off hides counts as what it is.
 void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
   const DualSolution& solution = solver.solution();
@@ -53,27 +61,28 @@ void AutomaticSolver::keepIfBest(const ContactSolver& solver) {
 bool AutomaticSolver::tryInTurn(const SolveRequest& request) {
   constexpr double kStatesSettled = 1e-3;
   const auto needsHelp = [&] {
+    if (newtonFails_) return true;
     keepIfBest(newton_);
     return newton_.gaveUp() && !best_->isRoundOff;
   };
   if (current_ == &newton_) {
-    if (run(newton_, request)) return true;
+    if (runNewton(request)) return true;
     if (!needsHelp()) return false;
   }
   SolveRequest others = request;
   others.jumps = Teuchos::null;  // they were of the last solution
   if (!smalse_) {
     SolverContext fromHere = context_;
-    fromHere.start = newton_.solution().lambda;
+    if (!newtonFails_) fromHere.start = newton_.solution().lambda;
     smalse_ = std::make_unique<SmalseContactSolver>(fromHere, smalseOptions_);
   }
-  if (!handedBack_) {
+  if (!handedBack_ && !newtonFails_) {
     handedBack_ = true;
     SolveRequest states = others;
     states.tolerance = std::max(kStatesSettled, request.tolerance);
     if (!run(*smalse_, states)) return false;
     newton_.startFrom(smalse_->solution());
-    if (run(newton_, others)) return true;
+    if (runNewton(others)) return true;
     if (!needsHelp()) return false;
   }
   return run(*smalse_, others);
@@ -85,7 +94,7 @@ void AutomaticSolver::renew() {
   const DualSolution last = solution();
   best_.reset();
   smalse_.reset();
-  handedBack_ = false;
+  handedBack_ = newtonFails_ = false;
   current_ = &newton_;
   history_.clear();
   work_.clear();

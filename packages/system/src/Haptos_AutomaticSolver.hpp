@@ -10,7 +10,8 @@ namespace Haptos {
 
 /// \brief Subspace Newton; where it gives up, SMALSE settles the states of contact and hands back.
 ///
-/// If Newton gives up a second time, SMALSE goes on to the end; where round-off stops Newton, nobody does.  Without success
+/// If Newton gives up a second time, or a coarse matrix of its active rows is singular (parts joined by next to nothing), SMALSE goes
+/// on to the end; where round-off stops Newton, nobody does.  Without success
 /// the best of what the methods came to is the solution.  `name` tells who did how many multiplications.
 class AutomaticSolver final : public ContactSolver {
  public:
@@ -36,6 +37,7 @@ class AutomaticSolver final : public ContactSolver {
 
   bool tryInTurn(const SolveRequest& request);
   bool run(ContactSolver& solver, const SolveRequest& request);
+  bool runNewton(const SolveRequest& request);
   void keepIfBest(const ContactSolver& solver);
 
   SolverContext context_;
@@ -45,6 +47,7 @@ class AutomaticSolver final : public ContactSolver {
   std::unique_ptr<SmalseContactSolver> smalse_;
   ContactSolver* current_;
   bool handedBack_ = false;
+  bool newtonFails_ = false;
   std::optional<Attempt> best_;  // of those that failed, until one succeeds
   std::vector<std::pair<std::string, long>> work_;  // who, multiplications
   std::vector<HistoryEntry> history_;

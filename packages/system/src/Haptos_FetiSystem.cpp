@@ -8,6 +8,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
+#include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PairLaws.hpp"
 #include "Haptos_Reductions.hpp"
@@ -130,11 +131,11 @@ void FetiSystem::formDual(const CoarseOptions& coarse) {
   try {
     GGT = Teuchos::rcp(new CoarseProblem(placement, {G_->rows(), isGluing}, {G_->rows(), isContact}, holdsFor(unheld_, *bodies_),
                                          CoarseProblem::Factor::Now));
-  } catch (const std::runtime_error&) {  // thrown on all ranks
+  } catch (const UselessFactor&) {  // thrown on all ranks
     if (model_.isOwn)
       throw InsufficientModel("The model has no solution: a motion that costs no energy in the kernels given with the stiffnesses, and is "
                               "not a rigid one, is held by nothing. Prescribe displacements against it.");
-    throw;
+    throw InsufficientModel(kLooseModel);
   }
   dual_ = DualProblem(F, G_, GGT);
   if (!step_.f.is_null()) dual_.setStep(step_);

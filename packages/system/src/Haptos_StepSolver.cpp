@@ -7,7 +7,9 @@
 
 #include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_Diagnosis.hpp"
+#include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
+#include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PcpgSolver.hpp"
 #include "Haptos_WrittenField.hpp"
@@ -89,7 +91,7 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
 }
 
 // Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.
-bool StepSolver::iterate(StepResult& result) {
+bool StepSolver::iterate(StepResult& result) try {
   constexpr int kAttempts = 12;
   const double tolerance = options_.solver.tolerance;
   SolveRequest request{tolerance, system_->dual().F->applications() + options_.solver.maximumMultiplications};
@@ -108,6 +110,8 @@ bool StepSolver::iterate(StepResult& result) {
     request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   return passed;
+} catch (const UselessFactor&) {  // on all ranks
+  throw InsufficientModel(kLooseModel);
 }
 
 // A step that was checked before comes again with the same vectors: then there is nothing to check.
