@@ -41,6 +41,7 @@ struct CondensedContact::Model {
   const std::vector<PairLaw>& pairs;
   const Eigen::VectorXd& r;
   ConePath& path;
+  const Eigen::VectorXd& settled;
   Eigen::VectorXd lambda, s;
 
   struct Point {
@@ -80,12 +81,22 @@ struct CondensedContact::Model {
     return best;
   }
 
+  // Where nothing moves, or where the last model was solved if that leaves less: models of one run differ little, and what a direction was
+  // made for is not yet where the state is.
+  Point nearest(const Point& start) const {
+    if (M.vectors().sum(double(settled.size())) == 0) return start;
+    const Point last = at(s - settled);
+    return last.norm < start.norm ? last : start;
+  }
+
   // A start near the solution is worth more than a path from no start: most solves need two or three Newton steps.
   Point solve(double& left) const {
     const Eigen::VectorXd zero = Eigen::VectorXd::Zero(s.size());
     const Point start = at(zero, zero);
-    const double target = options.reduction * start.norm;
-    Point near = newton(start, target);
+    const Point from = nearest(start);
+    // what is solved already is solved closer: the same direction again would bring nothing
+    const double target = options.reduction * (from.norm > options.reduction * start.norm ? start.norm : from.norm);
+    Point near = newton(from, target);
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
     if (near.norm <= target) return near;
     // With the value of |F s_T| alone some paths end half way, with its derivative others.
@@ -113,9 +124,10 @@ Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, c
 // sigma = 0, nothing moves, is where Newton starts.
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
                                                  const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {
-  const Model model{contact_, options_, pairs, r, path_, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
+  const Model model{contact_, options_, pairs, r, path_, settled_, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
   double left = 0;
   const Eigen::VectorXd sigma = model.solve(left).sigma;
+  settled_ = model.s - sigma;
   return {response(s, sigma), sigma, left};
 }
 

@@ -45,6 +45,7 @@ class CondensedContact {
   const DualVectors& vectors_;
   SubspaceNewtonOptions::Condensed options_;
   ConePath path_;
+  Eigen::VectorXd settled_;  // [3 pairs] contact jumps where the last model was solved; empty before
 };
 
 }  // namespace Haptos

@@ -213,20 +213,25 @@ Eigen::VectorXd ConePath::follow(const Start& start, const Residual& residual, d
   const Eigen::VectorXd sigma = k < 0 ? start.M.kernelPart(start.s) : Eigen::VectorXd(start.s - stages_[std::size_t(k)].s);
   std::vector<PairCones> cones = k < 0 ? Point(start.pairs, start.M, start.lambda, start.s - sigma).cones() : std::move(stages_[std::size_t(k)].cones);
   stages_.resize(std::size_t(std::max(k, 0)));
-  return walk(Point(std::move(cones), start.M, k < 0 ? start.lambda : start.lambda + start.M.multiply(sigma), start.s - sigma), sigma, start.slip, residual, target);
+  const Point point(std::move(cones), start.M, k < 0 ? start.lambda : start.lambda + start.M.multiply(sigma), start.s - sigma);
+  return walk(point, sigma, start, residual, {target, k < 0 ? options_.pathSteps : options_.stagePatience});
 }
 
-// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.
-Eigen::VectorXd ConePath::walk(Point point, Eigen::VectorXd sigma, SlipTerm slip, const Residual& residual, double target) {
+// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.  Where these are short, too, a stage was no
+// good start for this model.
+Eigen::VectorXd ConePath::walk(Point point, Eigen::VectorXd sigma, const Start& start, const Residual& residual, const End& end) {
   Eigen::VectorXd best = sigma;
+  int creeping = 0;
   double norm = residual(sigma), least = norm, part = options_.pathFar;
-  for (int step = 0; step < options_.pathSteps && least > target; ++step) {
+  for (int step = 0; step < options_.pathSteps && least > end.target; ++step) {
     stages_.push_back({point.cones(), point.s(), norm});
-    const double t = point.step(sigma, part, slip, options_.pathLinearTolerance);
+    const double t = point.step(sigma, part, start.slip, options_.pathLinearTolerance);
     norm = residual(sigma);
     if (!std::isfinite(norm) || t < options_.pathShortest) break;
     part = t > options_.pathLong ? options_.pathFar : options_.pathNear;
     if (norm < least) least = norm, best = sigma;
+    creeping = t < options_.pathCreeps ? creeping + 1 : 0;
+    if (creeping >= end.patience) break;
   }
   return best;
 }

@@ -90,7 +90,11 @@ class ConePath {
     double norm;  // the residual there
   };
   int lastStage(const Start& start, const Residual& residual) const;
-  Eigen::VectorXd walk(Point point, Eigen::VectorXd sigma, SlipTerm slip, const Residual& residual, double target);
+  struct End {
+    double target;  // of the residual
+    int patience;   // steps in a row that creep
+  };
+  Eigen::VectorXd walk(Point point, Eigen::VectorXd sigma, const Start& start, const Residual& residual, const End& end);
 
   SubspaceNewtonOptions::Condensed options_;
   std::vector<Stage> stages_;

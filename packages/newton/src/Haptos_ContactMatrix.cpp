@@ -166,32 +166,83 @@ Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
   return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
+namespace {
+
+using Rows = std::vector<Eigen::Index>;
+
+// (A_i, B_i, b_i) of all pairs, [3 pairs x 7]
+struct PairBlocks {
+  Eigen::MatrixXd values;
+  double A(Eigen::Index row, Eigen::Index k) const { return values(row, k); }
+  double B(Eigen::Index row, Eigen::Index k) const { return values(row, 3 + k); }
+  double b(Eigen::Index row) const { return values(row, 6); }
+
+  // A row without A whose B is its diagonal says d = b / B by itself: normal components of closed pairs, and all of those that stick.
+  bool isSolved(Eigen::Index row) const {
+    for (Eigen::Index k = 0; k < 3; ++k)
+      if (A(row, k) != 0 || (B(row, k) != 0) != (k == row % 3)) return false;
+    return true;
+  }
+};
+
+// The rows that are left to be solved for; d gets the others, which are 0 where M has nothing: pinned, or not there.
+Rows unsolvedRows(const PairBlocks& pairs, const Eigen::MatrixXd& M, Eigen::VectorXd& d) {
+  Rows rest;
+  for (Eigen::Index row = 0; row < d.size(); ++row) {
+    if (!(M(row, row) > 0)) continue;
+    if (pairs.isSolved(row)) d[row] = pairs.b(row) / pairs.B(row, row % 3);
+    else rest.push_back(row);
+  }
+  return rest;
+}
+
+// (A M + B)(rest, rest)
+Eigen::MatrixXd blockOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const Rows& rest) {
+  const Eigen::Index n = Eigen::Index(rest.size());
+  Eigen::MatrixXd block(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Eigen::Index column = rest[std::size_t(j)];
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index row = rest[std::size_t(i)], at = row - row % 3;
+      block(i, j) = pairs.A(row, 0) * M(at, column) + pairs.A(row, 1) * M(at + 1, column) + pairs.A(row, 2) * M(at + 2, column);
+      if (column - column % 3 == at) block(i, j) += pairs.B(row, column % 3);
+    }
+  }
+  return block;
+}
+
+// (b - (A M + B) d)(rest)
+Eigen::VectorXd restOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const Rows& rest, const Eigen::VectorXd& d) {
+  const Eigen::VectorXd Md = M * d;
+  Eigen::VectorXd b(Eigen::Index(rest.size()));
+  for (Eigen::Index i = 0; i < b.size(); ++i) {
+    const Eigen::Index row = rest[std::size_t(i)], at = row - row % 3;
+    b[i] = pairs.b(row);
+    for (Eigen::Index k = 0; k < 3; ++k) b[i] -= pairs.A(row, k) * Md[at + k] + pairs.B(row, k) * d[at + k];
+  }
+  return b;
+}
+
+}  // namespace
+
 // The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no solution but what a Krylov
 // method comes to, or that of least norm where there is none.
 std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape) const {
-  const Eigen::Index mine = b.size();
-  Eigen::MatrixXd blocks(mine, 7);  // (A_i, B_i, b_i)
-  for (std::size_t i = 0; i < A.size(); ++i) blocks.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i], b.segment<3>(3 * Eigen::Index(i));
-  blocks = onAllRanks(blocks);
-  Eigen::MatrixXd matrix = dense_;
-  for (Eigen::Index at = 0; at < size_; at += 3) {
-    if (shape == Shape::General) matrix.middleRows<3>(at) = (blocks.block<3, 3>(at, 0) * dense_.middleRows<3>(at)).eval();
-    matrix.block<3, 3>(at, at) += blocks.block<3, 3>(at, 3);
-  }
-  for (Eigen::Index row = 0; row < size_; ++row) {
-    if (dense_(row, row) > 0) continue;  // else a row that is pinned or not there
-    matrix.row(row).setZero();
-    matrix(row, row) = 1;
-    blocks(row, 6) = 0;
-  }
-  const auto rhs = blocks.col(6);
+  Eigen::MatrixXd mine(b.size(), 7);
+  for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i], b.segment<3>(3 * Eigen::Index(i));
+  const PairBlocks pairs{onAllRanks(mine)};
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(size_);
+  const Rows rest = unsolvedRows(pairs, dense_, d);
+  const Eigen::MatrixXd matrix = blockOf(pairs, dense_, rest);
+  const Eigen::VectorXd rhs = restOf(pairs, dense_, rest, d);
   Eigen::VectorXd x = shape == Shape::Symmetric ? solveByCholesky(matrix, rhs) : solveByLu(matrix, rhs);
   if (shape == Shape::Symmetric && !solves(x, matrix, rhs)) x = solveByLu(matrix, rhs);
   if (!solves(x, matrix, rhs)) {
     if (kind_ == Kind::Products) return {};
     x = solveLeastSquares(matrix, rhs);
   }
-  return x.segment(first_, mine);
+  for (std::size_t i = 0; i < rest.size(); ++i) d[rest[i]] = x[Eigen::Index(i)];
+  return d.segment(first_, b.size());
 }
 
 // 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.

@@ -130,6 +130,9 @@ struct SubspaceNewtonOptions {
     /// A path begins at the last stage of the one before whose jumps leave so much more of the law than they did there: 6 to 9 steps
     /// instead of 23.
     double stageGrowth = 2;
+    /// So many steps in a row that creep end such a path: 28 to 40 of them were taken where one from no start has 16.
+    int stagePatience = 3;
+    double pathCreeps = 0.2;
   };
 
   /// \brief Rigid bodies on a frictional foundation, where floating bodies start (`solveFoundation`); no F.
