@@ -135,6 +135,23 @@ TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
   }
 }
 
+// The next model begins where the last one was solved: what is solved already is solved closer, and costs less than from where nothing moves.
+TEUCHOS_UNIT_TEST(CondensedContact, BeginsWhereTheLastModelWasSolved) {
+  const Scene t(false);
+  const auto M = rcp(new CountedOperator(contactBlockOf(t.dual.M, t.dual.pairs)));
+  const ContactMatrix matrix({M, Eigen::VectorXd::Ones(3 * t.vectors.numPairs())}, t.vectors, ContactMatrix::Kind::Products, {});
+  CondensedContact condensed(t.dual.M, matrix, {});
+  const auto residualOfStep = [&](const CondensedContact::Step& step) {
+    return t.vectors.norm(linearizeLaw(t.dual.pairs, t.vectors.contact(t.myLambda + step.z), t.vectors.contact(t.myS) - step.sigma, t.r).phi);
+  };
+  const double first = residualOfStep(condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS));
+  const long cold = M->applications();
+  const double second = residualOfStep(condensed.solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS));
+  out << "products " << cold << ", then " << M->applications() - cold << ", residuals " << first << ", " << second << "\n";
+  TEST_COMPARE(second, <=, 1e-2 * first);
+  TEST_COMPARE(2 * (M->applications() - cold), <, cold);
+}
+
 // Whatever M leaves of G M: motions that contact alone holds are balanced by contact rows, the others by gluing rows.
 TEUCHOS_UNIT_TEST(CondensedDirection, IsBalancedByAnyM) {
   for (const bool floating : {false, true}) {
@@ -253,6 +270,35 @@ TEUCHOS_UNIT_TEST(ConePath, EndsWhereTheLawHolds) {
       TEST_COMPARE(residual(sigma), <=, 1e-4 * start);
     }
   }
+}
+
+// Rows that pairs solve by themselves, as closed normals and sticking pairs have them, are left out of direct solves.
+TEUCHOS_UNIT_TEST(ContactMatrix, LeavesOutWhatPairsSolveByThemselves) {
+  const Scene t(false);
+  DenseMatrix AMB = t.contactM();
+  const auto blocks = [](int i) {  // open, sticking, sliding
+    Eigen::Matrix3d A = (1.0 + i) * Eigen::Matrix3d::Identity(), B = Eigen::Matrix3d::Zero();
+    if (i % 3 == 1) A.setZero(), B.diagonal() << -1, -2, -3;
+    if (i % 3 == 2) A.row(0).setZero(), B << -1, 0, 0, 0.2, -0.7, 0.1, 0.3, 0.1, -0.5;
+    return std::pair(A, B);
+  };
+  for (int i = 0; i < kGroups; ++i) {
+    const auto [A, B] = blocks(i);
+    AMB.middleRows<3>(3 * i) = (A * AMB.middleRows<3>(3 * i)).eval();
+    AMB.block<3, 3>(3 * i, 3 * i) += B;
+  }
+  DenseVector rhs = DenseVector::Zero(t.GT.rows()), solution = rhs;
+  rhs.head(3 * kGroups) = numbers(3 * kGroups, 0.7);
+  solution.head(3 * kGroups) = AMB.partialPivLu().solve(rhs.head(3 * kGroups));
+  ContactMatrix::Blocks A, B;
+  for (const PairLaw& pair : t.dual.pairs) {
+    const auto [Ai, Bi] = blocks(int(t.setup.map->getGlobalElement(pair.normal)) / 3);
+    A.push_back(Ai);
+    B.push_back(Bi);
+  }
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+  t.vectors.setContact(x, contactMatrix(t, ContactMatrix::Kind::Dense).solve(A, B, t.vectors.contact(t.local(rhs)), 1e-13));
+  TEST_COMPARE(t.difference(x, solution), <, 1e-10);
 }
 
 // Forces that differ by 1e-4 have a path that is the same but for its end; another law has another one.
