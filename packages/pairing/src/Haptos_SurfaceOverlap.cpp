@@ -147,7 +147,7 @@ void Overlap::integrate(int facet, const Segment& segment, const ProjectionPlane
   if (known == sums.across.end())
     known = sums.across.insert(sums.across.end(), {otherFace, Eigen::MatrixXd::Zero(own.face.size, other.face.size)});
   // The inverse of a bilinear map is no polynomial: see real distorted quadrilaterals in decisions/031.
-  const auto& rule = own.isAffine(size) && other.isAffine(size) ? sevenPoints() : thirtySixPoints();
+  const auto& rule = own.isAffine(size) && other.isAffine(size) ? sevenPoints() : own.isSkew() || other.isSkew() ? sixtyFourPoints() : thirtySixPoints();
   const Point2 middle = centroidOf(segment.polygon);
   for (std::size_t i = 0; i < segment.polygon.size(); ++i) {
     const Polygon triangle = {middle, segment.polygon[i], segment.polygon[(i + 1) % segment.polygon.size()]};
