@@ -32,7 +32,7 @@ FaceValues valuesAt(const ProjectedFace& face, const Point2& x) {
 
 class Overlap {
  public:
-  Overlap(const ContactSurface& secondary, const ContactSurface& primary) : s_(secondary), p_(primary), tree_(primary) {}
+  Overlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) : s_(secondary), p_(primary), tree_(tree) {}
 
   SurfaceOverlap run() {
     result_ = wholeSurface(s_);
@@ -60,7 +60,7 @@ class Overlap {
                 Eigen::MatrixXd& across) const;
 
   const ContactSurface &s_, &p_;
-  FacetTree tree_;
+  const FacetTree& tree_;
   std::vector<int> found_;
   SurfaceOverlap result_;
 };
@@ -214,8 +214,12 @@ SurfaceOverlap wholeSurface(const ContactSurface& surface) {
   return result;
 }
 
+SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) {
+  return Overlap(secondary, primary, tree).run();
+}
+
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary) {
-  return Overlap(secondary, primary).run();
+  return integrateOverlap(secondary, primary, FacetTree(primary));
 }
 
 }  // namespace Haptos
