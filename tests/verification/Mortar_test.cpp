@@ -1,12 +1,15 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Contact and ties between meshes that do not match: uniform stress, sliding, rigid rotation, a published beam.
 #include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <string>
 
 #include "Haptos_CellMesh.hpp"
+#include "Haptos_FaceShapes.hpp"
 #include "ScenarioBuilder.hpp"
 
 namespace {
@@ -26,6 +29,12 @@ struct Patch {
   double lowerDistortion = 0, upperDistortion = 0;       ///< of the element size
   int subdomains = 4;
   double friction = 0;
+};
+
+bool isAlone() { return Tpetra::getDefaultComm()->getSize() == 1; }
+
+struct Rectangle {
+  std::array<double, 2> from, to;
 };
 
 // A number in [-1, 1] that depends on the place and component alone.
@@ -69,35 +78,44 @@ Mesh patchMesh(const Patch& patch) {
   return withCells(mesh, cells, patch.order);
 }
 
-// Integral of the hat function at x, on cells of size h within [0, end], over [0, cut].
-double hatIntegral(double x, double h, double end, double cut) {
-  const auto rising = [&](double a) {  // of (t - x + h) / h from x - h to a
-    const double t = std::min(std::max(a, x - h), x) - (x - h);
-    return t * t / (2 * h);
-  };
-  const auto falling = [&](double a) {
-    const double t = x + h - std::min(std::max(a, x), x + h);
-    return h / 2 - t * t / (2 * h);
-  };
-  const double top = std::min(cut, end);
-  return (rising(top) - rising(0)) + (falling(top) - falling(0));
+// Adds p int N dA over a rectangle within a face whose edges lie along x and y: the map is linear, four points are exact.
+void addPressure(const Mesh& mesh, const std::vector<std::int64_t>& nodes, const Rectangle& over, double p, std::map<std::int64_t, double>& forces) {
+  constexpr double kPlaces[] = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563, 0.8611363115940526};
+  constexpr double kWeights[] = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461, 0.3478548451374538};
+  std::array<Point2, 9> places{};
+  for (std::size_t i = 0; i < nodes.size(); ++i) places[i] = {mesh.coordinates[std::size_t(nodes[i])][0], mesh.coordinates[std::size_t(nodes[i])][1]};
+  const double halves[2] = {(over.to[0] - over.from[0]) / 2, (over.to[1] - over.from[1]) / 2};
+  if (halves[0] <= 0 || halves[1] <= 0) return;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j) {
+      const Point2 x = {over.from[0] + halves[0] * (1 + kPlaces[i]), over.from[1] + halves[1] * (1 + kPlaces[j])};
+      const auto N = faceValues(int(nodes.size()), referencePoint(int(nodes.size()), places, x).value()).N;
+      for (std::size_t n = 0; n < nodes.size(); ++n) forces[nodes[n]] += p * kWeights[i] * kWeights[j] * halves[0] * halves[1] * N[n];
+    }
 }
 
-// The larger body is loaded where the smaller one leaves it free; its mesh is regular, so the consistent forces are products.
-NodalForces freePart(const Patch& patch) {
+// The larger body, of regular hexahedra, is loaded where the smaller one leaves it free.
+NodalForces freePart(const Patch& patch, const Mesh& mesh) {
   const bool isLower = patch.lowerEnd[0] > patch.upperEnd[0];
-  const auto end = isLower ? patch.lowerEnd : patch.upperEnd, cut = isLower ? patch.upperEnd : patch.lowerEnd;
-  const auto divisions = isLower ? patch.lower : patch.upper;
-  const std::int64_t firstUpper = std::int64_t(patch.lower[0] + 1) * (patch.lower[1] + 1) * (patch.lower[2] + 1);
-  return [=](std::int64_t node, const Array3& x) {
-    if (std::abs(x[2]) > 1e-9 || (node < firstUpper) != isLower) return Array3{0, 0, 0};
-    double whole = 1, covered = 1;
-    for (std::size_t c = 0; c < 2; ++c) {
-      const double h = end[c] / divisions[c];
-      whole *= hatIntegral(x[c], h, end[c], end[c]);
-      covered *= hatIntegral(x[c], h, end[c], cut[c]);
-    }
-    return Array3{0, 0, (isLower ? -1 : 1) * kPressure * (whole - covered)};
+  const auto cut = isLower ? patch.upperEnd : patch.lowerEnd;
+  const auto& set = mesh.sideSets[std::size_t(findSideSet(mesh, isLower ? "lower_contact" : "upper_contact"))];
+  const auto offsets = blockOffsets(mesh);
+  std::map<std::int64_t, double> forces;
+  for (const auto& side : set.sides) {
+    const auto nodes = nodesOfSide(mesh, offsets, side);
+    Rectangle face{{1e9, 1e9}, {-1e9, -1e9}};
+    for (const auto node : nodes)
+      for (std::size_t c = 0; c < 2; ++c) {
+        face.from[c] = std::min(face.from[c], mesh.coordinates[std::size_t(node)][c]);
+        face.to[c] = std::max(face.to[c], mesh.coordinates[std::size_t(node)][c]);
+      }
+    addPressure(mesh, nodes, face, (isLower ? -1 : 1) * kPressure, forces);
+    for (std::size_t c = 0; c < 2; ++c) face.to[c] = std::min(face.to[c], cut[c]);
+    addPressure(mesh, nodes, face, (isLower ? 1 : -1) * kPressure, forces);
+  }
+  return [forces](std::int64_t node, const Array3&) {
+    const auto found = forces.find(node);
+    return Array3{0, 0, found == forces.end() ? 0.0 : found->second};
   };
 }
 
@@ -111,7 +129,7 @@ void checkPatch(const Patch& patch, Teuchos::FancyOStream& out, bool& success) {
       .contact("upper_contact", "lower_contact", patch.friction > 0 ? &friction : nullptr)
       .contactOption("Discretization", "Automatic").contactOption("Sides", "As Given")
       .decomposition("METIS", patch.subdomains).tolerance(1e-11);
-  if (patch.lowerEnd != patch.upperEnd) scene.nodalForces(freePart(patch));
+  if (patch.lowerEnd != patch.upperEnd) scene.nodalForces(freePart(patch, scene.mesh()));
   const auto result = scene.solve();
   TEST_ASSERT(result.solved);
   TEST_EQUALITY(result.report.model.discretization, "Mortar");
@@ -181,14 +199,61 @@ TEUCHOS_UNIT_TEST(Mortar, patch_where_one_body_is_larger) {
   checkPatch(patch, out, success);
 }
 
-TEUCHOS_UNIT_TEST(Mortar, patch_with_friction_in_many_subdomains) {
-  for (const int subdomains : {4, 16, 50}) {
-    Patch patch;
-    patch.lower = {6, 6, 3};
-    patch.subdomains = subdomains;
-    patch.friction = 0.3;
-    patch.upperDistortion = 0.2;
-    checkPatch(patch, out, success);
+// Faces of the larger body are covered in part, its quadratic ones, too; the smaller body is distorted.
+TEUCHOS_UNIT_TEST(Mortar, patch_where_one_body_of_quadratic_elements_is_larger) {
+  for (const ElementOrder order : {ElementOrder::Quadratic, ElementOrder::FullQuadratic})
+    for (const Cell smaller : {Cell::Hexahedron, Cell::Tetrahedra})
+      for (const bool isUpper : {false, true}) {
+        if (smaller == Cell::Tetrahedra && order == ElementOrder::FullQuadratic) continue;
+        if (!isAlone() && smaller == Cell::Hexahedron) continue;
+        Patch patch;
+        patch.order = order;
+        patch.lower = {3, 3, 1};
+        patch.upper = {2, 3, 1};
+        (isUpper ? patch.upperEnd : patch.lowerEnd) = {0.7, 0.55};
+        (isUpper ? patch.upperCell : patch.lowerCell) = smaller;
+        (isUpper ? patch.upperDistortion : patch.lowerDistortion) = 0.25;
+        for (const double friction : {0.0, 0.3}) {
+          patch.friction = friction;
+          if (isAlone() || friction > 0) checkPatch(patch, out, success);
+        }
+      }
+}
+
+struct ElementsOfBodies {
+  std::string name;
+  ElementOrder order;
+  Cell lower, upper;
+};
+
+// Of every element type that patches are asked of; on several ranks, where runs take long, each in one number of subdomains, with friction.
+TEUCHOS_UNIT_TEST(Mortar, patch_in_many_subdomains) {
+  const std::vector<ElementsOfBodies> pairings = {{"HEX8", ElementOrder::Linear, Cell::Hexahedron, Cell::Hexahedron},
+                                         {"HEX20", ElementOrder::Quadratic, Cell::Hexahedron, Cell::Hexahedron},
+                                         {"HEX27", ElementOrder::FullQuadratic, Cell::Hexahedron, Cell::Hexahedron},
+                                         {"TETRA4", ElementOrder::Linear, Cell::Tetrahedra, Cell::Tetrahedra},
+                                         {"TETRA10", ElementOrder::Quadratic, Cell::Tetrahedra, Cell::Tetrahedra},
+                                         {"PYRAMID5 on WEDGE6", ElementOrder::Linear, Cell::Wedges, Cell::Pyramids},
+                                         {"HEX8 on TETRA4", ElementOrder::Linear, Cell::Tetrahedra, Cell::Hexahedron},
+                                         {"HEX20 on TETRA10", ElementOrder::Quadratic, Cell::Tetrahedra, Cell::Hexahedron}};
+  int turn = 0;
+  for (const auto& [name, order, lower, upper] : pairings) {
+    ++turn;
+    for (const int subdomains : {4, 16, 50})
+      for (const double friction : {0.0, 0.3}) {
+        if (!isAlone() && (friction == 0 || subdomains != std::array<int, 3>{4, 16, 50}[std::size_t(turn % 3)])) continue;
+        Patch patch;
+        patch.lower = order == ElementOrder::Linear ? std::array<int, 3>{5, 4, 2} : std::array<int, 3>{3, 3, 2};
+        patch.upper = order == ElementOrder::Linear ? std::array<int, 3>{4, 6, 2} : std::array<int, 3>{4, 4, 2};
+        patch.lowerCell = lower;
+        patch.upperCell = upper;
+        patch.order = order;
+        patch.lowerDistortion = patch.upperDistortion = 0.25;
+        patch.subdomains = subdomains;
+        patch.friction = friction;
+        out << name << ", friction " << friction << ": ";
+        checkPatch(patch, out, success);
+      }
   }
 }
 

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "Haptos_ContactSurface.hpp"
+#include "Haptos_FacetTree.hpp"
 #include "Haptos_InputCheck.hpp"
 #include "Haptos_MultiplierRules.hpp"
 #include "Haptos_PointwiseGap.hpp"
@@ -216,13 +217,15 @@ std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const Co
 
 // Patch by patch, but for ties, which have no normals.  What is covered is integrated now; which nodes carry multipliers is decided
 // when all interfaces are known.
-std::vector<MortarDraft> draftMortar(const Mesh& mesh, const ContactSpec& spec, const std::string& secondarySet, const ContactSurface& primary) {
+std::vector<MortarDraft> draftMortar(const Mesh& mesh, const ContactSpec& spec, const std::string& secondarySet, ContactSurface primarySurface) {
+  const auto primary = std::make_shared<const ContactSurface>(std::move(primarySurface));
+  const FacetTree tree(*primary);
   auto patches = spec.tied ? std::vector<ContactSurface>{makeContactSurface(mesh, secondarySet)} : smoothPatches(mesh, secondarySet);
   std::vector<MortarDraft> drafts;
   for (auto& patch : patches) {
     MortarDraft& draft = drafts.emplace_back(MortarDraft{&spec, std::move(patch), primary, {}, {}});
     draft.bars.assign(draft.secondary.numNodes(), Bar::None);
-    draft.overlap = integrateOverlap(draft.secondary, draft.primary);
+    draft.overlap = integrateOverlap(draft.secondary, *draft.primary, tree);
   }
   return drafts;
 }
@@ -328,14 +331,15 @@ std::vector<UnpairedNodes::Node> findUnpaired(const std::vector<const MortarDraf
 
 // \param drafts of the interface
 void finishMortar(const Mesh& mesh, const ContactSurroundings& around, const std::vector<const MortarDraft*>& drafts, ContactInterface& interface) {
+  const MortarDraft& first = *drafts.front();
+  PointwiseGap gaps(*first.primary, first.spec->smoothing);
   bool isAnyCovered = false;
   for (const MortarDraft* draft : drafts) {
-    addMortarPairs(around, *draft, interface);
+    addMortarPairs(around, *draft, gaps, interface);
     for (const auto& sums : draft->overlap.faces) isAnyCovered = isAnyCovered || sums.area > 0;
   }
   std::stable_sort(interface.pairs.begin(), interface.pairs.end(), [](const auto& a, const auto& b) { return a.secondaryNode < b.secondaryNode; });
-  const MortarDraft& first = *drafts.front();
-  const SurfaceCouple couple{mesh, interface.name, first.secondary, first.primary};
+  const SurfaceCouple couple{mesh, interface.name, first.secondary, *first.primary};
   requireFacing(*first.spec, couple, interface);
   requireOpposite(couple, isAnyCovered);
   std::size_t numNodes = 0;

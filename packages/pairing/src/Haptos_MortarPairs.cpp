@@ -6,7 +6,6 @@
 #include <optional>
 #include <sstream>
 
-#include "Haptos_PointwiseGap.hpp"
 #include "Haptos_ProjectedFace.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -108,18 +107,17 @@ std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool li
   return dualMortarRows(surface, surface, whole, chooseMultipliers(surface, whole, std::vector<Bar>(surface.numNodes(), Bar::None), linearOnly));
 }
 
-void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface) {
+void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, PointwiseGap& gaps, ContactInterface& interface) {
   const ContactSurface& s = draft.secondary;
   const auto multipliers = chooseMultipliers(s, draft.overlap, draft.bars, draft.spec->multiplierSpace == MultiplierSpace::Linear);
-  const auto rows = dualMortarRows(s, draft.primary, draft.overlap, multipliers);
-  PointwiseGap gaps(s, draft.primary, draft.spec->smoothing);
+  const auto rows = dualMortarRows(s, *draft.primary, draft.overlap, multipliers);
   const auto& given = draft.spec->gapAt;
   const bool isOfFacets = !given && draft.spec->smoothing == PrimarySmoothing::None;
-  const auto gapAt = [&](int node) { return given ? std::optional(given(s.nodes[std::size_t(node)])) : gaps.at(node); };
+  const auto gapAt = [&](int node) { return given ? std::optional(given(s.nodes[std::size_t(node)])) : gaps.at(s, node); };
   for (const MortarRow& row : rows) {
     const auto i = std::size_t(row.node);
     const auto pointwise = row.isShared && isOfFacets ? std::nullopt : gapOfRow(row, gapAt);
-    ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(draft.primary, row.primary),
+    ContactPair pair{s.nodes[i], onMesh(s, row.secondary), onMesh(*draft.primary, row.primary),
                      draft.spec->frameAt(s.nodes[i], s.normals[i]), 0.0, row.w};
     pair.size = s.sizes[i];
     pair.gap = pointwise.value_or(Vec3::dot(row.gap, pair.frame.normal));

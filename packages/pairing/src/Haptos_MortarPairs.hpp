@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -8,13 +9,15 @@
 
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_DualMortar.hpp"
+#include "Haptos_PointwiseGap.hpp"
 
 namespace Haptos {
 
 /// \brief A patch without creases of an interface that is joined by mortar, while it is decided which of its nodes carry multipliers.  Serial.
 struct MortarDraft {
   const ContactSpec* spec;
-  ContactSurface secondary, primary;
+  ContactSurface secondary;
+  std::shared_ptr<const ContactSurface> primary;  ///< one for all patches of the interface
   SurfaceOverlap overlap;
   std::vector<Bar> bars;       ///< [secondary nodes]
   std::size_t interface = 0;   ///< its position
@@ -40,6 +43,7 @@ std::vector<MortarRow> rowsOfWholeSurface(const ContactSurface& surface, bool li
 /// and facets are not smoothed, or where the normal meets nothing.  Rows along axes that are held on both sides are pinned.  The secondary nodes of a tied interface
 /// are to be moved onto the primary surface, so that turning both bodies together costs no stress; not by more than a quarter of
 /// the element size, which is noted.
-void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, ContactInterface& interface);
+/// \param gaps of the interface's primary surface
+void addMortarPairs(const ContactSurroundings& around, const MortarDraft& draft, PointwiseGap& gaps, ContactInterface& interface);
 
 }  // namespace Haptos

@@ -118,10 +118,10 @@ std::vector<std::vector<char>> reachable(const Drafts& drafts) {
     for (std::size_t b = 0; b < n; ++b)
       if (a == b || drafts[a].interface != drafts[b].interface)
         reach[a][b] = std::any_of(drafts[a].secondary.nodes.begin(), drafts[a].secondary.nodes.end(),
-                                  [&](std::int64_t node) { return contains(drafts[b].primary, node); });
+                                  [&](std::int64_t node) { return contains(*drafts[b].primary, node); });
   for (std::size_t c = 0; c < n; ++c)
     for (std::size_t a = 0; a < n; ++a)
-      for (std::size_t b = 0; b < n; ++b) reach[a][b] |= reach[a][c] && reach[c][b];
+      for (std::size_t b = 0; b < n && reach[a][c]; ++b) reach[a][b] |= reach[c][b];
   return reach;
 }
 
@@ -132,7 +132,7 @@ void barNodesInCircles(Drafts& drafts, std::vector<ContactInterface>& interfaces
       // Each of the two would write the other's nodes as means of its own: rows in a circle may depend on each other.
       if (!reach[a][b] || !reach[b][a] || drafts[a].interface == drafts[b].interface) continue;
       ContactInterface& own = interfaces[drafts[b].interface];
-      const auto isPrimary = [&](std::size_t i) { return contains(drafts[a].primary, drafts[b].secondary.nodes[i]); };
+      const auto isPrimary = [&](std::size_t i) { return contains(*drafts[a].primary, drafts[b].secondary.nodes[i]); };
       bar(drafts[b], Bar::Taken, isPrimary, "are primary in '" + interfaces[drafts[a].interface].name + "', whose secondary nodes are primary here,", own.notes,
           own.name);
     }
@@ -207,7 +207,7 @@ void barDependentNodes(const ContactSurroundings& around, const std::vector<std:
     const auto& circles = closing[draft.interface];
     const auto closes = [&](std::size_t i) { return std::binary_search(circles.begin(), circles.end(), draft.secondary.nodes[i]); };
     bar(draft, Bar::Taken, closes, "close circles with pairs of other contacts", interface.remarks, interface.name);
-    const auto isShared = [&](std::size_t i) { return contains(draft.primary, draft.secondary.nodes[i]); };
+    const auto isShared = [&](std::size_t i) { return contains(*draft.primary, draft.secondary.nodes[i]); };
     bar(draft, Bar::Taken, isShared, "are on both sides", interface.remarks, interface.name);
     barHeldNodes(around, draft, interface);
   }

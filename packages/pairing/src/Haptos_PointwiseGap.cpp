@@ -24,15 +24,14 @@ std::optional<RoundSurface> roundSurface(const ContactSurface& primary, PrimaryS
   return {};
 }
 
-PointwiseGap::PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing)
-    : s_(secondary),
-      p_(smoothing == PrimarySmoothing::Nagata ? nagataSurface(primary) : primary),
+PointwiseGap::PointwiseGap(const ContactSurface& primary, PrimarySmoothing smoothing)
+    : p_(smoothing == PrimarySmoothing::Nagata ? nagataSurface(primary) : primary),
       tree_(p_),
       round_(roundSurface(primary, smoothing)) {}
 
-std::optional<double> PointwiseGap::at(int node) {
+std::optional<double> PointwiseGap::at(const ContactSurface& secondary, int node) {
   const auto i = std::size_t(node);
-  const ProjectionPlane plane(s_.coordinates[i], s_.normals[i]);
+  const ProjectionPlane plane(secondary.coordinates[i], secondary.normals[i]);
   tree_.facetsNearLine(plane.origin, plane.normal, found_);
   std::optional<double> nearest;
   for (const int facet : found_) {

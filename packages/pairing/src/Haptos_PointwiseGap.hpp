@@ -17,14 +17,12 @@ namespace Haptos {
 /// (`fitCylinder`), where a face lies opposite.
 class PointwiseGap {
  public:
-  /// \param secondary must outlive it
   /// \throws InputError where the primary surface is no cylinder or sphere
-  PointwiseGap(const ContactSurface& secondary, const ContactSurface& primary, PrimarySmoothing smoothing);
+  PointwiseGap(const ContactSurface& primary, PrimarySmoothing smoothing);
 
-  std::optional<double> at(int node);  ///< nothing where no face lies opposite
+  std::optional<double> at(const ContactSurface& secondary, int node);  ///< nothing where no face lies opposite
 
  private:
-  const ContactSurface& s_;
   ContactSurface p_;
   FacetTree tree_;
   std::optional<RoundSurface> round_;

@@ -30,6 +30,19 @@ Vec3::Array ProjectedFace::sum(const std::array<double, 9>& weights) const {
   return x;
 }
 
+// The determinant of a bilinear map is linear: it is least and largest in corners.
+bool ProjectedFace::isSkew() const {
+  if (face.size != 4) return false;
+  double least = 1e300, largest = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Point2 &x = places[i], &next = places[(i + 1) % 4], &last = places[(i + 3) % 4];
+    const double area = std::abs((next[0] - x[0]) * (last[1] - x[1]) - (next[1] - x[1]) * (last[0] - x[0]));
+    least = std::min(least, area);
+    largest = std::max(largest, area);
+  }
+  return least < 0.5 * largest;
+}
+
 bool ProjectedFace::isAffine(double size) const {
   if (face.size != 4) return face.size == 3;
   return Vec3::norm(Vec3::subtract(Vec3::add(at(0), at(2)), Vec3::add(at(1), at(3)))) <= roundOff * size;

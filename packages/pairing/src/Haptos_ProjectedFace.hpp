@@ -33,6 +33,9 @@ struct ProjectedFace {
   std::optional<Point2> pointAt(const Point2& target) const { return referencePoint(face.size, places, target); }
   const std::array<double, 3>& at(std::size_t i) const { return surface.coordinates[std::size_t(face.nodes[i])]; }
   std::array<double, 3> sum(const std::array<double, 9>& weights) const;  ///< of the places of nodes, in space
+  /// \brief A linear quadrilateral whose map varies in area by more than 2 : the place where it is not invertible lies near, and maps
+  /// back vary much.
+  bool isSkew() const;
   bool isAffine(double size) const;  ///< a linear triangle, or a parallelogram up to round-off in lengths of `size`
 };
 

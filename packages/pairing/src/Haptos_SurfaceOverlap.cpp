@@ -32,7 +32,7 @@ FaceValues valuesAt(const ProjectedFace& face, const Point2& x) {
 
 class Overlap {
  public:
-  Overlap(const ContactSurface& secondary, const ContactSurface& primary) : s_(secondary), p_(primary), tree_(primary) {}
+  Overlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) : s_(secondary), p_(primary), tree_(tree) {}
 
   SurfaceOverlap run() {
     result_ = wholeSurface(s_);
@@ -60,7 +60,7 @@ class Overlap {
                 Eigen::MatrixXd& across) const;
 
   const ContactSurface &s_, &p_;
-  FacetTree tree_;
+  const FacetTree& tree_;
   std::vector<int> found_;
   SurfaceOverlap result_;
 };
@@ -147,7 +147,7 @@ void Overlap::integrate(int facet, const Segment& segment, const ProjectionPlane
   if (known == sums.across.end())
     known = sums.across.insert(sums.across.end(), {otherFace, Eigen::MatrixXd::Zero(own.face.size, other.face.size)});
   // The inverse of a bilinear map is no polynomial: see real distorted quadrilaterals in decisions/031.
-  const auto& rule = own.isAffine(size) && other.isAffine(size) ? sevenPoints() : thirtySixPoints();
+  const auto& rule = own.isAffine(size) && other.isAffine(size) ? sevenPoints() : own.isSkew() || other.isSkew() ? sixtyFourPoints() : thirtySixPoints();
   const Point2 middle = centroidOf(segment.polygon);
   for (std::size_t i = 0; i < segment.polygon.size(); ++i) {
     const Polygon triangle = {middle, segment.polygon[i], segment.polygon[(i + 1) % segment.polygon.size()]};
@@ -214,8 +214,12 @@ SurfaceOverlap wholeSurface(const ContactSurface& surface) {
   return result;
 }
 
+SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) {
+  return Overlap(secondary, primary, tree).run();
+}
+
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary) {
-  return Overlap(secondary, primary).run();
+  return integrateOverlap(secondary, primary, FacetTree(primary));
 }
 
 }  // namespace Haptos

@@ -9,6 +9,8 @@
 
 namespace Haptos {
 
+class FacetTree;
+
 /// \brief Integrals over what of a secondary face lies opposite primary faces; N its shape functions, [n] its nodes.
 ///
 /// x_p - x_s at each point is along the normal of the plane in which the faces were cut.
@@ -33,9 +35,11 @@ struct SurfaceOverlap {
 ///
 /// Each linear facet of the secondary surface has its plane, through its middle and along it; the facets of the primary surface
 /// that look against it are projected there and clipped, and the pieces integrated as fans of triangles about their centroids:
-/// with 7 points between triangles and parallelograms, else with 36.  A point goes back to both faces along the normal of the plane.
+/// with 7 points between triangles and parallelograms, else with 36, or 64 (`ProjectedFace::isSkew`).  A point goes back to both faces along the normal of the plane.
 /// Primary facets count at whatever distance, the nearest of several layers only (Puso and Laursen 2004).
 /// \throws InputError where a face is too distorted to be inverted
+/// \param tree of the primary facets
+SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree);
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary);
 
 /// \brief All of a surface, opposite a rigid obstacle: nothing across, no gap.  Serial.

@@ -42,9 +42,10 @@ std::vector<TrianglePoint> makeSeven() {
 }
 
 // (s, t) -> s, (1 - s) t, (1 - s) (1 - t) with the Jacobian 1 - s, of an area of 1/2.
-std::vector<TrianglePoint> makeThirtySix() {
+template <std::size_t n>
+std::vector<TrianglePoint> makeCollapsed() {
   std::vector<TrianglePoint> points;
-  const auto line = gaussPoints<6>();
+  const auto line = gaussPoints<n>();
   for (const auto& [s, ws] : line)
     for (const auto& [t, wt] : line) points.push_back({{s, (1 - s) * t, (1 - s) * (1 - t)}, 2 * ws * wt * (1 - s)});
   return points;
@@ -58,7 +59,12 @@ const std::vector<TrianglePoint>& sevenPoints() {
 }
 
 const std::vector<TrianglePoint>& thirtySixPoints() {
-  static const std::vector<TrianglePoint> points = makeThirtySix();
+  static const std::vector<TrianglePoint> points = makeCollapsed<6>();
+  return points;
+}
+
+const std::vector<TrianglePoint>& sixtyFourPoints() {
+  static const std::vector<TrianglePoint> points = makeCollapsed<8>();
   return points;
 }
 

@@ -18,4 +18,7 @@ const std::vector<TrianglePoint>& sevenPoints();
 /// a distorted face is not polynomial, 7 points leave 1e-6 of the force, these 1e-10.
 const std::vector<TrianglePoint>& thirtySixPoints();
 
+/// \brief 64 points, exact to degree 14, for maps back to quadrilaterals that are nearly triangles.
+const std::vector<TrianglePoint>& sixtyFourPoints();
+
 }  // namespace Haptos

@@ -95,7 +95,7 @@ TEUCHOS_UNIT_TEST(ConvexPolygon, pieces_of_a_cut_add_up) {
 
 // int L1^a L2^b L3^c dA = 2 A a! b! c! / (a + b + c + 2)!
 TEUCHOS_UNIT_TEST(TriangleRule, is_exact_to_its_degree_and_not_beyond) {
-  for (const auto& [rule, degree] : {std::make_pair(sevenPoints(), 5), std::make_pair(thirtySixPoints(), 10)}) {
+  for (const auto& [rule, degree] : {std::make_pair(sevenPoints(), 5), std::make_pair(thirtySixPoints(), 10), std::make_pair(sixtyFourPoints(), 14)}) {
     double beyond = 0;
     for (int a = 0; a <= degree + 2; ++a)
       for (int b = 0; a + b <= degree + 2; ++b)

@@ -5,12 +5,15 @@ import numpy as np
 import half_spaces
 from pages import Page, figure, order, save, table
 from half_spaces import Load, fitted
+from runs import BenchmarkError
 
 SPHERE, CYLINDER = Load(1.82, 0.3), Load(1.82, 0.3, line=True)
-SIZES = {"sphere": {"HEX8": (3, 6, 12), "HEX20": (1.6, 3.2, 6.4), "HEX27": (1.6, 3.2), "TETRA10": (1.6, 3.2)},
-         "cylinder": {"HEX8": (8, 16, 32), "HEX20": (4, 8, 16), "TETRA10": (4, 8, 16)}}
-STATED = {"sphere": {"HEX8": 12, "HEX20": 6.4, "HEX27": 3.2}, "cylinder": {"HEX8": 32, "HEX20": 16, "TETRA10": 16}}
+SIZES = {"sphere": {"TETRA4": (6, 12), "HEX8": (3, 6, 12), "HEX20": (1.6, 3.2, 6.4), "HEX27": (1.6, 3.2), "TETRA10": (1.6, 3.2, 6.4)},
+         "cylinder": {"TETRA4": (8, 16, 32), "HEX8": (8, 16, 32), "HEX20": (4, 8, 16), "TETRA10": (4, 8, 16)}}
+STATED = {"sphere": {"HEX8": 12, "HEX20": 6.4, "HEX27": 3.2, "TETRA10": 6.4}, "cylinder": {"HEX8": 32, "HEX20": 16, "TETRA10": 16}}
 TOLERANCE = 0.01
+INSIDE = 0.8             # of a: there the pressure is smooth
+ORDERS = {"TETRA4": 0.5, "HEX8": 0.5, "HEX20": 1.0, "HEX27": 1.0, "TETRA10": 1.0}   # of the pressure inside, at least
 SMALL = (0.005, 0.015)   # of p0 and force, of a, with HEX20: sphere n = 3.2, cylinder n = 8
 
 
@@ -20,8 +23,10 @@ def measure(folder, scene, shape, n, ratio=0.75):
     result = half_spaces.press(folder / f"{scene}_{shape}_{n}", shape, n, load, ratio=ratio, tolerance=1e-6)
     found = fitted(result, line=load.line)
     exact = load.peak * np.sqrt(np.clip(1 - found.r ** 2, 0, None))
+    inside = found.r < INSIDE
     return {"shape": shape, "n": n, "unknowns": result.unknowns, "peak": found.peak / load.peak - 1, "radius": found.radius - 1,
             "force": found.forces[2] / load.normal - 1, "rms": np.sqrt(np.mean((found.p - exact) ** 2)) / load.peak,
+            "inside": np.sqrt(np.mean((found.p - exact)[inside] ** 2)) / load.peak,
             "multiplications": result.multiplications, "found": found}
 
 
@@ -45,11 +50,15 @@ def page(scene, folder, pictures):
     for shape in SIZES[scene]:
         mine = [row for row in rows if row["shape"] == shape]
         for row in mine:
-            row["order"] = ""
-        mine[-1]["order"] = order([1 / row["n"] for row in mine], [row["rms"] for row in mine])
+            row["order"] = row["inside order"] = ""
+        for key, name in (("rms", "order"), ("inside", "inside order")):
+            mine[-1][name] = order([1 / row["n"] for row in mine], [row[key] for row in mine])
     draw(scene, rows, pictures / f"hertz_{scene}.svg")
     stated = [row for row in rows if STATED[scene].get(row["shape"]) == row["n"]]
     error = max(abs(row[key]) for row in stated for key in ("peak", "radius", "force"))
+    slow = [row["shape"] for row in rows if row["inside order"] != "" and row["inside order"] < ORDERS[row["shape"]]]
+    if slow:
+        raise BenchmarkError(f"the pressure of the {scene} converges too slowly with {', '.join(slow)}")
     names = ", ".join(f"{shape} with {n:g} elements a contact {'radius' if scene == 'sphere' else 'half width'}" for shape, n in STATED[scene].items())
     theory = {"sphere": "P = 4/3 E* a^3 / R, p0 = 2 E* a / (pi R), approach a^2 / R, p = p0 sqrt(1 - r^2 / a^2)",
               "cylinder": "P = pi E* a^2 / (4 R) a length, p0 = E* a / (2 R), approach of points at the distance 1 "
@@ -70,7 +79,10 @@ A slightly curved half space of the radius R = {half_spaces.CURVATURE:g} a is pr
 ![Pressure](hertz_{scene}.svg)
 
 {table(rows, {"shape": "element", "n": "n .3g", "unknowns": "unknowns", "peak": "p0 .2%", "radius": "a .2%", "force": "force .2%",
-              "rms": "rms of p/p0 .4f", "order": "order .2f", "multiplications": "multiplications"})}
+              "rms": "rms of p/p0 .4f", "order": "order .2f", "inside": f"rms for r < {INSIDE} a .4f",
+              "inside order": "order inside .2f", "multiplications": "multiplications"})}
 
-The slope of the pressure at r = a is infinite: the pressure converges with an order near one for any element.
+The slope of the pressure at r = a is infinite: over all nodes the pressure converges with an order near one at most, for any element. Orders of curved
+surfaces, at least 0.5 for linear and 1 for quadratic elements, are asked of the pressure for r < {INSIDE} a, where it is smooth. What the size of the blocks cuts off
+{"is below 0.1 % of the force" if scene == "sphere" else "is 0.2 % of the force, which bounds that order on the finest meshes"}.
 """)
