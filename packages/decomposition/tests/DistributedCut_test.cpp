@@ -13,10 +13,12 @@
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_CoordinateBlocks.hpp"
+#include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_PieceCut.hpp"
 #include "Haptos_Subdomain.hpp"
+#include "Haptos_SubdomainCopies.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 
 namespace {
@@ -256,4 +258,41 @@ TEUCHOS_UNIT_TEST(CoordinateBlocks, CutsBetweenLayersAcrossTheLongestAxis) {
   // all points at one place cannot be cut
   const std::vector<std::array<double, 3>> same(x.size(), {1, 2, 3});
   TEST_EQUALITY(cutIntoBlocks(*comm, same, std::vector<int>(x.size(), 0), {4}, block).size(), std::size_t(1));
+}
+
+// Subdomains that are a class by an assembly are one by the guess, too; it is the same on any number of ranks.
+TEUCHOS_UNIT_TEST(SubdomainCopies, AreThoseThatShareAnAssembly) {
+  const auto comm = Tpetra::getDefaultComm();
+  const Mesh beams = makeTwoBeams({1, 12});
+  for (const auto& [mesh, options] : {std::pair(beams, metis(160, 500, 300)), {variedMesh(false), metis(60)}, {variedMesh(true), metis(60)}})
+    for (bool alike : {true, false}) {
+      std::vector<int> materialOfBlock(mesh.blocks.size(), 0), expected;
+      if (!alike) std::iota(materialOfBlock.begin(), materialOfBlock.end(), 0);
+      const Cut one = cutOn(alone, sliceOfMesh(mesh, 0, 1), options), many = cutOn(*comm, scatterMesh(*comm, mesh), options);
+      const auto copyOf = findCopies(alone, one.own, one.partition, materialOfBlock);
+      TEST_COMPARE_ARRAYS(findCopies(*comm, many.own, many.partition, materialOfBlock), copyOf);
+      const auto subdomains = extractSubdomains(mesh, one.partition, materialOfBlock);
+      const ElasticStiffness stiffness(subdomains, std::vector<IsotropicMaterial>(mesh.blocks.size()), Formulation::Standard);
+      for (int s = 0; s < one.partition.count; ++s) expected.push_back(stiffness.copyOf(s) >= 0 ? stiffness.copyOf(s) : s);
+      for (std::size_t s = 0; s < expected.size(); ++s) TEST_EQUALITY(copyOf[s], copyOf[std::size_t(expected[s])]);
+      if (options.wholeUpTo > 500) continue;
+      TEST_COMPARE_ARRAYS(copyOf, expected);  // blocks are copies, and their parts
+      TEST_COMPARE(double(std::set<int>(copyOf.begin(), copyOf.end()).size()), <, (alike ? 0.3 : 0.6) * one.partition.count);
+    }
+}
+
+// A rank of copies gets more subdomains, as many as balance what it does once a copy.
+TEUCHOS_UNIT_TEST(SubdomainCopies, RanksShareWorkThatCopiesShare) {
+  std::vector<int> distinct(80), halfCopies;
+  std::iota(distinct.begin(), distinct.end(), 0);
+  for (int s : distinct) halfCopies.push_back(std::min(s, 40));
+  const std::vector<double> work(80, 1.0);
+  for (int ranks : {2, 3, 4, 8}) {
+    const auto plain = dealToRanks(work, ranks), dealt = dealCopiesToRanks(work, halfCopies, ranks);
+    TEST_ASSERT(std::is_sorted(dealt.begin(), dealt.end()));
+    const auto sums = workOfRanks(work, halfCopies, dealt, ranks), before = workOfRanks(work, halfCopies, plain, ranks);
+    TEST_COMPARE(*std::max_element(sums.begin(), sums.end()), <, 0.9 * *std::max_element(before.begin(), before.end()));
+    TEST_COMPARE(*std::max_element(sums.begin(), sums.end()), <, 1.1 * std::accumulate(sums.begin(), sums.end(), 0.0) / ranks);
+    TEST_COMPARE_ARRAYS(dealCopiesToRanks(work, distinct, ranks), plain);
+  }
 }

@@ -3,12 +3,14 @@
 
 #include <Teuchos_Comm.hpp>
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalGather.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SubdomainCopies.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 #include "Haptos_UnpairedNodes.hpp"
 #include "Haptos_Vec3.hpp"
@@ -41,15 +43,36 @@ Partition cutMesh(const Communicator& comm, const OwnElements& own, const Partit
   return partition;
 }
 
+// Subdomains in the order of the ranks that get them.
+struct OrderedPartition {
+  Partition partition;
+  std::vector<int> numNodes, copyOf;  // [partition.count]
+};
+
+// Bricks come in order, and all alike: whoever gives them has said which rank gets how many.
+OrderedPartition ordered(const Communicator& comm, const OwnElements& own, const std::vector<ContactInterface>& interfaces,
+                         const std::vector<int>& materialOfBlock, bool bricks, Partition partition) {
+  OrderedPartition result;
+  result.numNodes = bricks ? countNodes(comm, own, partition) : orderSubdomains(comm, own, interfaces, partition);
+  if (!bricks) {
+    result.copyOf = findCopies(comm, own, partition, materialOfBlock);
+  } else {
+    result.copyOf.resize(std::size_t(partition.count));
+    std::iota(result.copyOf.begin(), result.copyOf.end(), 0);
+  }
+  result.partition = std::move(partition);
+  return result;
+}
+
 // Contiguous ranges of subdomains, about equal in the work of their factors: neighbours in the order come to the same rank.
-void deal(const OwnElements& own, const Partition& partition, const std::vector<int>& numNodes, const std::vector<int>& materialOfBlock,
-          DistributedModel& model) {
+void deal(const OwnElements& own, const OrderedPartition& parts, const std::vector<int>& materialOfBlock, DistributedModel& model) {
   std::vector<double> work;
-  for (int nodes : numNodes) {
+  for (int nodes : parts.numNodes) {
     work.push_back(workOfSubdomain(nodes));
     model.primalUnknowns += 3L * nodes;
   }
-  const auto rankOf = dealToRanks(work, model.comm->getSize());
+  const Partition& partition = parts.partition;
+  const auto rankOf = dealCopiesToRanks(work, parts.copyOf, model.comm->getSize());
   model.numSubdomains = partition.count;
   model.firstSubdomain = int(std::lower_bound(rankOf.begin(), rankOf.end(), model.comm->getRank()) - rankOf.begin());
   model.subdomains = dealSubdomains(*model.comm, own, partition, rankOf, materialOfBlock);
@@ -89,13 +112,12 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   const auto interfaces = pairSurfaces(*comm, share.mesh, model.prescribed, own, draft);
   PartitionOptions cut;
   runOnAllRanks(*comm, [&] { cut = partitionOptions(options.decomposition, share); });
-  Partition partition = cutMesh(*comm, own, cut, draft.data);
-  const bool comesInOrder = cut.method == PartitionMethod::Bricks;
-  const auto numNodes = comesInOrder ? countNodes(*comm, own, partition) : orderSubdomains(*comm, own, interfaces, partition);
+  const OrderedPartition parts = ordered(*comm, own, interfaces, draft.materialOfBlock, cut.method == PartitionMethod::Bricks,
+                                         cutMesh(*comm, own, cut, draft.data));
   model.mesh = std::move(share.mesh);
   model.data = std::move(draft.data);
-  deal(own, partition, numNodes, draft.materialOfBlock, model);
-  model.work = {own.elements.count(own.rank), own.nodes.count(own.rank), partition.elementsCut, 0, draft.surfaceElements};
+  deal(own, parts, draft.materialOfBlock, model);
+  model.work = {own.elements.count(own.rank), own.nodes.count(own.rank), parts.partition.elementsCut, 0, draft.surfaceElements};
   for (const auto& sub : model.subdomains) model.work.elementsHeld += std::int64_t(sub.elements.size());
   model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces)));
   checkPinnedRows(*comm, *model.multipliers, model.mesh, model.data);

@@ -19,14 +19,29 @@ using SparseMatrix = Eigen::SparseMatrix<double>;
 
 constexpr double kNoEnergy = 1e-10;  // of what diag K gives the same motion
 
-// visit(row, column, value) for every entry; unknowns are numbered as in the map of the rows.
+// visit(row, columns, values, count) for every row; unknowns are numbered as in the map of the rows.  By plain pointers: a view of a row
+// counts its users, which costs more than the row.
+template <class Visit>
+void forEachRow(const CrsMatrix& K, Visit&& visit) {
+  const auto rows = K.getRowMap(), columns = K.getColMap();
+  const auto A = K.getLocalMatrixHost();
+  const LocalOrdinal* unknowns = A.graph.entries.data();
+  std::vector<LocalOrdinal> renumbered;
+  if (!columns->locallySameAs(*rows)) {
+    for (std::size_t k = 0; k < std::size_t(A.nnz()); ++k) renumbered.push_back(rows->getLocalElement(columns->getGlobalElement(unknowns[k])));
+    unknowns = renumbered.data();
+  }
+  const auto* const begin = A.graph.row_map.data();
+  for (LocalOrdinal i = 0; i < LocalOrdinal(localNumRows(K)); ++i)
+    visit(i, unknowns + begin[i], A.values.data() + begin[i], std::size_t(begin[i + 1] - begin[i]));
+}
+
+// visit(row, column, value) for every entry.
 template <class Visit>
 void forEachEntry(const CrsMatrix& K, Visit&& visit) {
-  const auto rows = K.getRowMap(), columns = K.getColMap();
-  std::vector<int> unknown(localNumElements(*columns));
-  for (std::size_t j = 0; j < unknown.size(); ++j) unknown[j] = rows->getLocalElement(columns->getGlobalElement(LocalOrdinal(j)));
-  for (LocalOrdinal i = 0; i < LocalOrdinal(localNumRows(K)); ++i)
-    forEachEntryOfRow(K, i, [&](LocalOrdinal j, double value) { visit(i, unknown[std::size_t(j)], value); });
+  forEachRow(K, [&](LocalOrdinal row, const LocalOrdinal* columns, const double* values, std::size_t count) {
+    for (std::size_t k = 0; k < count; ++k) visit(row, columns[k], values[k]);
+  });
 }
 
 [[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
@@ -140,7 +155,11 @@ SparseMatrix OwnStiffness::assemble(int i) const {
 
 // Row by row from the caller's matrix, not from what was factored: it is what residuals are measured with.
 void OwnStiffness::multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const {
-  forEachEntry(*part(i).K, [&](int row, int column, double value) { Ku[row] += value * u[column]; });
+  forEachRow(*part(i).K, [&](LocalOrdinal row, const LocalOrdinal* columns, const double* values, std::size_t count) {
+    double sum = Ku[row];
+    for (std::size_t k = 0; k < count; ++k) sum += values[k] * u[columns[k]];
+    Ku[row] = sum;
+  });
 }
 
 std::vector<double> OwnStiffness::nodalStiffness(int i) const {

@@ -103,10 +103,10 @@ def least(repeat, run, seconds):
 def compare_petsc(program, n, repeat):
     peer = least(repeat, lambda: run_peer("peer_petsc.py", "-n", str(n)), lambda run: run["setup"] + run["solve"])
     if peer is None:
-        return
+        return None
     if not peer["residual"] < 2e-6:
         print("  PETSc did not converge")
-        return
+        return None
     seconds = peer["setup"] + peer["solve"]
     print("  PETSc CG+GAMG, tied, %d unknowns: set-up %.2f + solve %.2f s, %d iterations, true residual %.1e" %
           (peer["unknowns"], peer["setup"], peer["solve"], peer["iterations"], peer["residual"]))
@@ -115,6 +115,25 @@ def compare_petsc(program, n, repeat):
             ours = least(repeat, lambda: run_haptos(program, n, method, extra), lambda run: run["fcs"])
             print("  Haptos, %s, %s: factor + coarse + solve %.2f s, %d multiplications, %d subdomains: %.2f times PETSc (goal %.1f)" %
                   (law, method, ours["fcs"], ours["solver"]["hessian_multiplications"], ours["model"]["subdomains"], ours["fcs"] / seconds, goal))
+    return seconds
+
+
+def compare_trilinos(program, n, repeat, petsc):
+    """Through Stratimikos, in turns in one process: medians.  `petsc`: seconds of the same problem, or None."""
+    for method in ("METIS", "Bricks"):
+        command = [program, str(INPUT), *two_beams(*BRICKS[n]), "--set", "Decomposition->Method=" + method, "--", str(repeat),
+                   str(HERE / "muelu.xml"), str(HERE / "haptos.xml")]
+        run = subprocess.run(command, env={**environment(), "OMP_THREAD_LIMIT": "1"}, capture_output=True, text=True, check=False)
+        if run.returncode != 0:
+            print("  %s failed: %s" % (program, (run.stderr or run.stdout).strip()[-300:]))
+            return
+        peer, ours = (json.loads(line) for line in run.stdout.splitlines() if line.startswith("{"))
+        seconds = ours["setup"] + ours["solve"]
+        for who in (peer, ours):
+            print("  Stratimikos, %s, tied, %s, %d unknowns, %d subdomains: set-up %.2f + solve %.2f s, %d iterations, true residual %.1e" %
+                  (who["solver"], method, who["unknowns"], who["subdomains"], who["setup"], who["solve"], who["iterations"], who["residual"]))
+        print("    Haptos: %.2f times CG + MueLu%s (goal 0.7); work done agrees within %.0e" %
+              (seconds / (peer["setup"] + peer["solve"]), "" if petsc is None else ", %.2f times PETSc" % (seconds / petsc), abs(peer["work"] / ours["work"] - 1)))
 
 
 def compare_contact(program, n, name, script, goal, tolerance):  # minutes a run: once
@@ -130,7 +149,7 @@ def compare_contact(program, n, name, script, goal, tolerance):  # minutes a run
           (peer["normal_force"], contact["normal_force"], peer["tangential_force"], tangential, 100 * tolerance, verdict(difference < tolerance)))
 
 
-PEERS = ["PETSc", "GetFEM", "CalculiX"]
+PEERS = ["PETSc", "Trilinos", "GetFEM", "CalculiX"]
 
 
 def main():
@@ -139,12 +158,19 @@ def main():
     parser.add_argument("--elements", type=int, nargs="+", default=[16], choices=sorted(BRICKS), help="N, elements a unit length")
     parser.add_argument("--peers", nargs="+", default=PEERS, choices=PEERS)
     parser.add_argument("--repeat", type=int, default=3, help="runs of PETSc and beside it, of which the fastest counts")
+    parser.add_argument("--trilinos", default=str(HERE.parents[2] / "build/release/bin/peer_trilinos"), help="built by: ninja -C build/release bin/peer_trilinos")
     options = parser.parse_args()
     found = available() & set(options.peers)
+    if "Trilinos" in options.peers:
+        if shutil.which(options.trilinos):
+            found.add("Trilinos")
+        else:
+            print("Trilinos is missing: the program %s (ninja -C build/release bin/peer_trilinos; needs trilinos-all-dev)" % options.trilinos)
     for n in options.elements:
         print("N = %d" % n, flush=True)
-        if "PETSc" in found:
-            compare_petsc(options.haptos, n, options.repeat)
+        petsc = compare_petsc(options.haptos, n, options.repeat) if "PETSc" in found else None
+        if "Trilinos" in found:
+            compare_trilinos(options.trilinos, n, options.repeat, petsc)
         if "GetFEM" in found:
             compare_contact(options.haptos, n, "GetFEM", "peer_getfem.py", 10, 0.05)
         if "CalculiX" in found:
