@@ -44,8 +44,12 @@ bool ProjectedFace::isSkew() const {
 }
 
 bool ProjectedFace::isAffine(double size) const {
-  if (face.size != 4) return face.size == 3;
-  return Vec3::norm(Vec3::subtract(Vec3::add(at(0), at(2)), Vec3::add(at(1), at(3)))) <= roundOff * size;
+  const auto areOne = [&](const Vec3::Array& x, const Vec3::Array& y) { return Vec3::norm(Vec3::subtract(x, y)) <= roundOff * size; };
+  if (face.size == 4) return areOne(Vec3::add(at(0), at(2)), Vec3::add(at(1), at(3)));
+  if (face.size == 6)
+    return areOne(Vec3::add(at(0), at(1)), Vec3::scale(2, at(3))) && areOne(Vec3::add(at(1), at(2)), Vec3::scale(2, at(4))) &&
+           areOne(Vec3::add(at(2), at(0)), Vec3::scale(2, at(5)));
+  return face.size == 3;
 }
 
 }  // namespace Haptos

@@ -36,7 +36,9 @@ struct ProjectedFace {
   /// \brief A linear quadrilateral whose map varies in area by more than 2 : the place where it is not invertible lies near, and maps
   /// back vary much.
   bool isSkew() const;
-  bool isAffine(double size) const;  ///< a linear triangle, or a parallelogram up to round-off in lengths of `size`
+  /// \brief A triangle of straight edges with middles, if any, in the middle, or a parallelogram of four nodes; up to round-off in lengths of
+  /// `size`.  Products of their functions are of degree 4.
+  bool isAffine(double size) const;
 };
 
 }  // namespace Haptos

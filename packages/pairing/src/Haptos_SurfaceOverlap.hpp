@@ -35,7 +35,7 @@ struct SurfaceOverlap {
 ///
 /// Each linear facet of the secondary surface has its plane, through its middle and along it; the facets of the primary surface
 /// that look against it are projected there and clipped, and the pieces integrated as fans of triangles about their centroids:
-/// with 7 points between triangles and parallelograms, else with 36, or 64 (`ProjectedFace::isSkew`).  A point goes back to both faces along the normal of the plane.
+/// with 7 points between plane triangles and parallelograms, else with 36, or 64 (`ProjectedFace::isSkew`).  A point goes back to both faces along the normal of the plane.
 /// Primary facets count at whatever distance, the nearest of several layers only (Puso and Laursen 2004).
 /// \throws InputError where a face is too distorted to be inverted
 /// \param tree of the primary facets
