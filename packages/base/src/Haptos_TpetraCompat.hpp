@@ -58,13 +58,4 @@ std::size_t localMaxNumRowEntries(const A& matrix) {
   return Compat::maxNumRowEntries(matrix, 0);
 }
 
-/// \brief Calls `visit(localColumn, value)` for every entry of a local row of a fill-complete CrsMatrix.
-template <class A, class Visit>
-void forEachEntryOfRow(const A& matrix, typename A::local_ordinal_type row, Visit&& visit) {
-  typename A::local_inds_host_view_type columns;
-  typename A::values_host_view_type values;
-  matrix.getLocalRowView(row, columns, values);
-  for (std::size_t k = 0; k < std::size_t(columns.extent(0)); ++k) visit(columns(k), values(k));
-}
-
 }  // namespace Haptos

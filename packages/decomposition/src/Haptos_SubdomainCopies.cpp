@@ -2,7 +2,6 @@
 #include "Haptos_SubdomainCopies.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
