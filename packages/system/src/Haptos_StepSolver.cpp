@@ -66,7 +66,8 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
   return std::make_unique<AutomaticSolver>(context, options_.solver);
 }
 
-// What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too.
+// What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too, if
+// that is the better one.  Smoothing moves pairs: where jumps are large it spoils the law more than it mends the field.
 Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps) const {
   constexpr double kMargin = 0.8;
   const auto scope = time(Phase::Recover);
@@ -79,15 +80,21 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
   Accuracy accuracy = measureAccuracy(input, *u, *solution.lambda, *residual);
   if (accuracy.withoutForce) return accuracy;
   WrittenField field(input, *u, *residual);
+  const auto addField = [&field](Accuracy& a) {
+    if (a.ext > 0) a.errors.fieldEquilibrium = field.imbalance() / a.ext;
+    a.imbalanceNode = field.worstNode();
+  };
   const double enough = options_.solver.tolerance * accuracy.ext;
-  if (field.imbalance() > enough && accuracy.errors.kkt() <= options_.solver.tolerance) {
-    field.smooth(kMargin * enough);
-    u = field.v();
-    measureContactOf(input, *u, *solution.lambda, accuracy);
-  }
-  if (accuracy.ext > 0) accuracy.errors.fieldEquilibrium = field.imbalance() / accuracy.ext;
-  accuracy.imbalanceNode = field.worstNode();
-  return accuracy;
+  const bool isAllElseRight = accuracy.errors.kkt() <= options_.solver.tolerance;
+  addField(accuracy);
+  if (!isAllElseRight || !(field.imbalance() > enough)) return accuracy;
+  field.smooth(kMargin * enough);
+  Accuracy smoothed = accuracy;
+  measureContactOf(input, *field.v(), *solution.lambda, smoothed);
+  addField(smoothed);
+  if (!(smoothed.errors.kkt() < accuracy.errors.kkt())) return accuracy;
+  u = field.v();
+  return smoothed;
 }
 
 // Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.
