@@ -147,10 +147,11 @@ FEW = 4  # subdomains a rank, below which nothing is said of its work on them
 
 
 def even_share(ranks, parts):
-    """Of the work on subdomains: 0.55 of all on 2 ranks, 0.1475 on 8, 0.025 on 64, and there also where a rank has few of them."""
+    """Of the work on subdomains, as a part of all: 0.55 on 2 ranks, 0.1475 on 8, 0.025 on 64; 1.6 even shares where a rank has few of them."""
     if ranks == 1:
         return 1.0
-    return (1.1 + 0.02 * (math.log2(ranks) - 1) ** 2 if parts >= EVEN_FROM * ranks else 1.6) / ranks
+    doublings = math.log2(ranks)
+    return (min(1.1 + 0.02 * (doublings - 1) ** 2, 1 + 0.1 * doublings) if parts >= EVEN_FROM * ranks else 1.6) / ranks
 
 
 def compare_parts(summary, p):
