@@ -51,8 +51,9 @@ struct DualState {
 
 class RigidBalance {
  public:
-  RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b)
-      : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)) {
+  // \param units of the entries of b
+  RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b, Eigen::VectorXd units)
+      : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)), units_(std::move(units)) {
     const double trace = sumOfAll(comm, H_.coeffs().square().sum());  // a rank may have no pairs
     eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
   }
@@ -85,29 +86,48 @@ class RigidBalance {
   DualState solve() const {
     DualState state = evaluate(Eigen::VectorXd::Zero(b_.size()));
     double damping = 0;
-    for (int i = 0; i < 200 && state.phi.norm() > 1e-9 * b_.norm(); ++i) {
+    for (int i = 0; i < 200 && sizeOf(state.phi) > 1e-9 * sizeOf(b_); ++i) {
       Eigen::MatrixXd J = state.J;
       J.diagonal().array() += damping;
       const Eigen::VectorXd step = -solveByLdlt(J, state.phi);
       double t = 1;
       DualState next = evaluate(state.a + step);
-      while (t > 1e-6 && next.phi.norm() > (1 - 1e-4 * t) * state.phi.norm()) next = evaluate(state.a + (t *= 0.5) * step);
-      const bool descends = next.phi.norm() < state.phi.norm();
+      while (t > 1e-6 && sizeOf(next.phi) > (1 - 1e-4 * t) * sizeOf(state.phi)) next = evaluate(state.a + (t *= 0.5) * step);
+      const bool descends = sizeOf(next.phi) < sizeOf(state.phi);
       damping = descends ? damping / 10 : std::max(10 * damping, 1e3 * eps_);
       if (descends) state = next;
     }
     return state;
   }
 
-  double imbalance(const DualState& state) const { return (eps_ * state.a - state.phi).norm(); }
+  double imbalance(const DualState& state) const { return sizeOf(eps_ * state.a - state.phi) / sizeOf(b_); }  ///< of the loads
 
  private:
   const Communicator& comm_;
   const ContactLaw& law_;
+  double sizeOf(const Eigen::VectorXd& phi) const { return units_.cwiseProduct(phi).norm(); }
+
   SparseRows H_;
-  Eigen::VectorXd b_;
+  Eigen::VectorXd b_, units_;
   double eps_;
 };
+
+// T with (H T)^T (H T) = 1 and the units of T^T b, 1 / |column|.  Motions along which coefficients are small are scaled as others are: a
+// ratio of 1e4 had left them as little of H^T P' H as the regularisation adds.  Those that contact does not feel at all stay.
+struct EvenMotions {
+  Eigen::MatrixXd T;
+  Eigen::VectorXd units;
+};
+
+EvenMotions evenMotions(const Communicator& comm, const SparseRows& H) {
+  constexpr double kFelt = 1e-14;  // of the largest: round-off
+  const Eigen::MatrixXd mine = Eigen::MatrixXd(H.transpose() * H);
+  const SymmetricEigen eigen(sumOfAll(comm, mine));
+  const double largest = eigen.values.cwiseAbs().maxCoeff();
+  Eigen::VectorXd units(eigen.values.size());
+  for (Eigen::Index k = 0; k < units.size(); ++k) units[k] = std::sqrt(eigen.values[k] > kFelt * largest ? eigen.values[k] : std::max(largest, 1e-300));
+  return {eigen.vectors * units.cwiseInverse().asDiagonal(), units};
+}
 
 }  // namespace
 
@@ -122,9 +142,13 @@ void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating
   const Eigen::VectorXd b = N.transpose() * (bodies.Z().transpose() * e);
   if (b.norm() <= 1e-9 * loadScale) return;
   const SparseRows GZ = G.rows() * bodies.Z();
-  const RigidBalance balance(*G.getRangeMap()->getComm(), law, pairRows(law, GZ, N), b);
-  const DualState state = balance.solve();
-  if (balance.imbalance(state) <= kBalanced * b.norm()) return;
+  const Communicator& comm = *G.getRangeMap()->getComm();
+  const SparseRows H = pairRows(law, GZ, N);
+  const EvenMotions even = evenMotions(comm, H);
+  const RigidBalance balance(comm, law, pairRows(law, GZ, N * even.T), even.T.transpose() * b, even.units);
+  if (balance.imbalance(balance.solve()) <= kBalanced) return;
+  // The motion that is named is the one of least distance in lengths.
+  const DualState state = RigidBalance(comm, law, H, b, Eigen::VectorXd::Ones(b.size())).solve();
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
                           bodies.describe(N * state.a, kUnnamed) +
                           ". Reduce the load in that direction, raise the friction, or fix the body there.");

@@ -97,7 +97,7 @@ TEUCHOS_UNIT_TEST(LoadAdmissibility, SlidingLimitOfAnOrthotropicBlock) {
 
 // ANALYTIC, the same with a coefficient next to nothing: the other direction still carries what it carries.
 TEUCHOS_UNIT_TEST(LoadAdmissibility, SlidingLimitOfAFlatCone) {
-  for (const std::array<double, 2> F : {std::array<double, 2>{1.3e-4, 0.38}, {0.17, 8e-5}, {0.3, 0.0}}) {
+  for (const std::array<double, 2> F : {std::array<double, 2>{1.3e-4, 0.38}, {0.17, 8e-5}, {2.4e-5, 0.18}, {0.3, 0.0}}) {
     const Block block({FrictionLaw::Coulomb, F, 0});
     for (double degrees : {0.0, 2.0, 30.0, 80.0, 90.0}) {
       const double a = degrees * M_PI / 180, t[2] = {std::cos(a), F[1] > 0 ? std::sin(a) : 0};
