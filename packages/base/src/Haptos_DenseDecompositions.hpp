@@ -16,6 +16,13 @@ struct SymmetricEigen {
   explicit SymmetricEigen(const Eigen::MatrixXd& A);
 };
 
+/// \brief Eigenvalues above `least`, ascending, and their vectors of A v = theta B v, v^T B v = 1; none where B is not positive definite.
+struct LargestEigen {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  ///< columns
+  LargestEigen(Eigen::MatrixXd A, Eigen::MatrixXd B, double least);
+};
+
 struct SymmetricEigen2 {
   Eigen::Vector2d values;
   Eigen::Matrix2d vectors;

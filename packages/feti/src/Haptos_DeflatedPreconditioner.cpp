@@ -40,6 +40,13 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
   }
 }
 
+constexpr double kStiffer = 4;       // theta of motions that are deflated: half of it takes twice the motions (decisions/042)
+
+void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
+  all.conservativeResize(Eigen::NoChange, all.cols() + more.cols());
+  all.rightCols(more.cols()) = more;
+}
+
 // M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  Both factors lie with their
 // contact rows; g = Y_c^T x is summed over the ranks, and K^+ is in YK = Y_c K^+ already.
 class DeflatedContactBlock final : public Operator {
@@ -73,8 +80,7 @@ class DeflatedContactBlock final : public Operator {
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender) {
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender));
   long mine = 0;
-  for (int c = 0; c < base->systems().numClasses(); ++c)
-    mine += result->motions_[std::size_t(c)].cols() * long(base->systems().members()[c].size());
+  for (const auto& motions : result->motions_) mine += motions.cols();
   if (sumOfAll(*base->getRangeMap()->getComm(), mine) > kLargest) return {};
   result->assemble();
   return result;
@@ -85,27 +91,73 @@ DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> bas
   findMotions(slender);
 }
 
-// Rigid motions of every class on this rank, on its boundary unknowns, and the soft ones of slender ones, which take the dense
-// S apart into L^T L for good: S itself has lost the energies of soft motions to round-off, L has not.
+// Rigid motions of every subdomain, on its boundary unknowns, and soft ones: those of slender ones take the dense S apart into L^T L for
+// good, as S itself has lost the energies of soft motions to round-off, L has not.  Of others those that moving copies apart makes stiff.
 void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
   const LocalSystems& systems = base_->systems();
+  motions_.resize(std::size_t(systems.size()));
+  L_.resize(std::size_t(systems.numClasses()));
+  std::vector<SpectralModes> spectral(motions_.size());
+  const std::vector<CopyWeights> weights = copyWeights(*base_);
   for (int c = 0; c < systems.numClasses(); ++c) {
-    const auto& dofs = base_->surface().boundary(c);
-    const int first = systems.members()[c].front();
-    Eigen::MatrixXd all(Eigen::Index(dofs.size()), systems[first].R().cols());
-    for (std::size_t i = 0; i < dofs.size(); ++i) all.row(Eigen::Index(i)) = systems[first].R().row(dofs[i]);
-    L_.emplace_back();
-    if (slender[std::size_t(first)]) {
-      Eigen::MatrixXd S(all.rows(), all.rows());
-      base_->surface().apply(c, Eigen::MatrixXd::Identity(all.rows(), all.rows()), S);
-      SoftSpectrum soft = softSpectrum(0.5 * (S + S.transpose()), all);
-      L_.back() = std::move(soft.L);
-      const Eigen::Index rigid = all.cols();
-      all.conservativeResize(Eigen::NoChange, rigid + soft.modes.cols());
-      all.rightCols(soft.modes.cols()) = soft.modes;
+    const auto& members = systems.members()[std::size_t(c)];
+    const Eigen::MatrixXd rigid = rigidMotions(members.front());
+    for (int i : members) motions_[std::size_t(i)] = rigid;
+    const bool isSlender = slender[std::size_t(members.front())];
+    if (!isSlender && rigid.rows() > kLargestSpectrum) continue;
+    const Eigen::MatrixXd S = denseOf(c);
+    if (isSlender) {
+      SoftSpectrum soft = softSpectrum(S, rigid);
+      L_[std::size_t(c)] = std::move(soft.L);
+      for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
+    } else {
+      findSpectralModes(S, rigid, members, weights, spectral);
     }
-    motions_.push_back(std::move(all));
   }
+  takeSpectralModes(spectral);
+}
+
+Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
+  const LocalSystem& system = base_->systems()[i];
+  const auto& dofs = base_->surface().boundary(system.congruenceClass);
+  Eigen::MatrixXd rigid(Eigen::Index(dofs.size()), system.R().cols());
+  for (std::size_t k = 0; k < dofs.size(); ++k) rigid.row(Eigen::Index(k)) = system.R().row(dofs[k]);
+  return rigid;
+}
+
+Eigen::MatrixXd DeflatedPreconditioner::denseOf(int congruenceClass) const {
+  const Eigen::Index n = Eigen::Index(base_->surface().boundary(congruenceClass).size());
+  Eigen::MatrixXd S(n, n);
+  base_->surface().apply(congruenceClass, Eigen::MatrixXd::Identity(n, n), S);
+  return 0.5 * (S + S.transpose());
+}
+
+// Congruent subdomains with the same neighbours have the same modes: weights are compared by their products with one vector.
+void DeflatedPreconditioner::findSpectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const std::vector<int>& members,
+                                               const std::vector<CopyWeights>& weights, std::vector<SpectralModes>& spectral) const {
+  constexpr double kAlike = 1e-10;
+  const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S.rows(), 1, 2);
+  std::vector<std::pair<Eigen::VectorXd, int>> known;
+  for (int i : members) {
+    const CopyWeights& D = weights[std::size_t(i)];
+    const Eigen::VectorXd print = D * (D.transpose() * probe);
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
+    spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S, rigid, D, kStiffer);
+    if (same == known.end()) known.emplace_back(print, i);
+  }
+}
+
+// Where there are too many, those that matter least are left out, by one bound for all ranks.
+void DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral) {
+  double bound = kStiffer;
+  const auto above = [&](const SpectralModes& s) { return (s.theta.array() > bound).count(); };
+  for (;; bound *= 2) {
+    long mine = 0;
+    for (const auto& s : spectral) mine += above(s);
+    if (sumOfAll(*getRangeMap()->getComm(), mine) <= kMostSpectral) break;
+  }
+  for (std::size_t i = 0; i < spectral.size(); ++i)
+    if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i])), motions_[i]);
 }
 
 // t := t - B_D^T B t, the mean of the copies weighted by stiffness, at closed contact of both sides too: B t = 0 after it, as
@@ -165,7 +217,7 @@ void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t,
   const auto& dofs = base_->surface().boundary(c);
   const std::size_t offset = base_->jump().primalOffsets()[std::size_t(which[0])];
   const auto data = t.getDataNonConst(column);
-  for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(c)](Eigen::Index(k), which[1]);
+  for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(which[0])](Eigen::Index(k), which[1]);
 }
 
 // H Z and C H Z, `kBlock` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
@@ -173,7 +225,7 @@ void DeflatedPreconditioner::assemble() {
   const auto& comm = *getRangeMap()->getComm();
   std::vector<std::array<int, 2>> columns;  // of this rank
   for (int i = 0; i < base_->systems().size(); ++i)
-    for (int m = 0; m < int(motions_[std::size_t(base_->systems()[i].congruenceClass)].cols()); ++m) columns.push_back({i, m});
+    for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   std::vector<Eigen::Triplet<double>> hz, chz;
   for (int first = 0; first < all; first += kBlock) {

@@ -6,6 +6,7 @@
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DualPreconditioner.hpp"
+#include "Haptos_SpectralModes.hpp"
 
 namespace Haptos {
 
@@ -21,6 +22,9 @@ namespace Haptos {
 class DeflatedPreconditioner final : public Operator {
  public:
   static constexpr long kLargest = 5000;  ///< columns of Z
+  /// Unknowns of a subdomain's boundary: beyond, the dense eigenproblem of its spectral modes costs more than they save (decisions/042).
+  static constexpr int kLargestSpectrum = 1000;
+  static constexpr long kMostSpectral = 2000;  ///< columns that are spectral modes
 
   /// \brief Null where Z would have more than `kLargest` columns.  Collective.
   ///
@@ -49,6 +53,11 @@ class DeflatedPreconditioner final : public Operator {
 
   DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender);
   void findMotions(const std::vector<char>& slender);
+  Eigen::MatrixXd rigidMotions(int subdomain) const;
+  Eigen::MatrixXd denseOf(int congruenceClass) const;
+  void findSpectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const std::vector<int>& members,
+                         const std::vector<CopyWeights>& weights, std::vector<SpectralModes>& spectral) const;
+  void takeSpectralModes(const std::vector<SpectralModes>& spectral);
   void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
@@ -64,7 +73,8 @@ class DeflatedPreconditioner final : public Operator {
 
   RCP<const DualPreconditioner> base_;
   // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.
-  std::vector<Eigen::MatrixXd> motions_, L_;  // [classes] on the boundary; L empty where subdomains are not slender
+  std::vector<Eigen::MatrixXd> motions_;  // [local subdomains] on the boundary
+  std::vector<Eigen::MatrixXd> L_;        // [classes] empty where subdomains are not slender
   Columns HZ_, CHZ_;        // [local primal x coarse]
   mutable long applications_ = 0;
   Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)

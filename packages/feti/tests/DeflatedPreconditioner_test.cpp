@@ -119,7 +119,7 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ManyColumnsAreWhatEachIsAlone) {
 }
 
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
-  for (double height : {1.0, 0.02}) {
+  for (double height : {1.0, 0.2, 0.02}) {
     const Setup t(height);
     const Dense M = denseOf(*t.M), Z = denseOf(*t.deflated), GT = t.denseGT();
     TEST_COMPARE(largest(Z - Z.transpose()), <=, 1e-9 * largest(Z));
@@ -130,8 +130,8 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
     out << "height " << height << ", coarse " << t.deflated->numCoarse() << ": M F in " << plain[1] << " to " << plain[0] << ", deflated "
         << deflated[1] << " to " << deflated[0] << "\n";
     TEST_COMPARE(t.deflated->numCoarse(), >=, 6 * t.scene.partition.count);
-    TEST_COMPARE(deflated[0], <=, 3.0);
+    TEST_COMPARE(deflated[0], <=, height == 0.2 ? 6.0 : 3.0);  // theta is at most 4 beside the spectral modes
     TEST_COMPARE(deflated[1], >=, 0.99);
-    TEST_COMPARE(plain[0], >=, (height < 0.5 ? 30 : 1) * deflated[0]);  // the plates are a hard case
+    TEST_COMPARE(plain[0], >=, (height < 0.1 ? 30 : height < 0.5 ? 3 : 1) * deflated[0]);  // the plates are a hard case
   }
 }

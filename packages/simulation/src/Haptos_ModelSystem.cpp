@@ -11,6 +11,7 @@
 #include "Haptos_ElasticStiffness.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
+#include "Haptos_HardElements.hpp"
 #include "Haptos_NodalLoads.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -61,12 +62,11 @@ void addForces(const Subdomain& sub, const std::vector<int>& copies, const Nodal
 
 // Near incompressibility S is stiff against changes of volume, which F does not mirror: a capped ratio does better.
 bool capMaterials(const std::vector<IsotropicMaterial>& materials, std::vector<IsotropicMaterial>& capped) {
-  constexpr double kLargestRatio = 0.4;
   bool any = false;
   capped = materials;
   for (auto& material : capped) {
-    any = any || material.poissonsRatio > kLargestRatio;
-    material.poissonsRatio = std::min(material.poissonsRatio, kLargestRatio);
+    any = any || material.poissonsRatio > kNearlyIncompressible;
+    material.poissonsRatio = std::min(material.poissonsRatio, kNearlyIncompressible);
   }
   return any;
 }
@@ -90,6 +90,7 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
   std::vector<IsotropicMaterial> capped;
   if (capMaterials(model.data.materials, capped))
     system.softened = std::make_shared<ElasticStiffness>(model.subdomains, capped, model.data.formulation);
+  system.isHard = hasHardElements(*model.comm, model.subdomains, model.data.materials);
   system.firstSubdomain = model.firstSubdomain;
   for (const auto& sub : model.subdomains) {
     system.bodies.push_back(sub.body);

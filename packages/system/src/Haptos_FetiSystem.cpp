@@ -97,14 +97,15 @@ void FetiSystem::factor(const LocalSolverOptions& options, std::optional<Precond
 void FetiSystem::makePreconditioner(SurfaceOperators surface) {
   if (!kind_) return;
   findSlender();
+  findSpectra();
   RCP<const LocalSystems> systems = systems_;
-  if (model_.softened) systems = assembleAgain(surface, kind_ == PreconditionerKind::Dirichlet);
+  if (model_.softened) systems = assembleAgain(model_.softened, surface, kind_ == PreconditionerKind::Dirichlet);
   preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface)));
 }
 
 // K once more, each class as long as the preconditioner's part of it is made.
-RCP<const LocalSystems> FetiSystem::assembleAgain(SurfaceOperators& surface, bool dense) const {
-  const auto systems = Teuchos::rcp(new LocalSystems(model_.softened ? model_.softened : model_.stiffness));
+RCP<const LocalSystems> FetiSystem::assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense) const {
+  const auto systems = Teuchos::rcp(new LocalSystems(stiffness));
   runOnAllRanks(*model_.comm, [&] {
     systems->assemble();
     if (dense) systems->condenseLike(*systems_);
@@ -167,11 +168,21 @@ void FetiSystem::findSlender() {
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
+// Spectral modes are looked for in subdomains with few boundary unknowns, and where there are few subdomains: the factor of K is dense.
+void FetiSystem::findSpectra() {
+  bool isLarge = kind_ != PreconditionerKind::Dirichlet;
+  for (int i = 0; i < systems_->size(); ++i) isLarge = isLarge || int(touched_->of(i).size()) > DeflatedPreconditioner::kLargestSpectrum;
+  hasSpectra_ = !anyOfAll(*model_.comm, isLarge) && G_->dimension() <= DeflatedPreconditioner::kMostSpectral;
+}
+
+// Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
+// volume.
 RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
   SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
-  const auto systems = assembleAgain(surface, false);
+  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra_);
+  const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
   return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_);
 }
 

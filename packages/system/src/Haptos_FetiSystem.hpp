@@ -56,8 +56,9 @@ class FetiSystem {
   const Vector& c() const { return *step_.c; }
   const DualProblem& dual() const { return dual_; }
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
-  bool hasSlenderSubdomains() const { return anySlender_; }  ///< on any rank, and the preconditioner is Dirichlet's
-  /// \brief The preconditioner with rigid motions deflated, and the soft ones of slender subdomains; null where it is not
+  /// \brief Whether the preconditioner is known to be poor from the start: slender subdomains, or hard elements whose spectral modes can be had.
+  bool needsDeflation() const { return anySlender_ || (model_.isHard && hasSpectra_); }
+  /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
   RCP<const DeflatedPreconditioner> makeDeflated() const;
 
@@ -66,8 +67,9 @@ class FetiSystem {
   template <class Holds>
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();
+  void findSpectra();
   void makePreconditioner(SurfaceOperators surface);
-  RCP<const LocalSystems> assembleAgain(SurfaceOperators& surface, bool dense) const;
+  RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense) const;
 
   SystemModel model_;
   ContactLaw law_;
@@ -84,7 +86,7 @@ class FetiSystem {
   LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
   std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]
-  bool anySlender_ = false;
+  bool anySlender_ = false, hasSpectra_ = false;
 };
 
 }  // namespace Haptos

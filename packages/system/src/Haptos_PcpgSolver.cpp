@@ -49,7 +49,7 @@ class BalancedPreconditioner final : public Operator {
 PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
   x_ = Teuchos::rcp(new MultiVector(context_.system.dual().map(), 1));
   begin(context_.start);
-  if (context_.system.hasSlenderSubdomains()) deflate();
+  if (context_.system.needsDeflation()) deflate();
   else if (!context_.system.preconditioner().is_null()) use(context_.system.preconditioner());
 }
 

@@ -26,7 +26,7 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   o.contactM = block;
   o.contactRowsOfM = Teuchos::rcp(new ContactRows(system.preconditioner(), block));
   o.makeDeflatedM = makeDeflatedM;
-  o.needsDeflatedM = system.hasSlenderSubdomains();
+  o.needsDeflatedM = system.needsDeflation();
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;

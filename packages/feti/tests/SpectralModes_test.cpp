@@ -1,0 +1,110 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SpectralModes.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+
+#include "FetiScene.hpp"
+#include "Haptos_DualPreconditioner.hpp"
+#include "Haptos_SurfaceOperators.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Two beams of flat elements, held at one end.
+struct Setup {
+  Scene scene;
+  Feti feti;
+  RCP<DualPreconditioner> M;
+
+  Setup() {
+    SceneOptions options = heldScene(4);
+    options.lower = options.upper = {4, 2, 2};
+    options.distortion = 0;
+    options.height = 0.2;
+    scene = makeScene(options);
+    feti = makeFeti(Tpetra::getDefaultComm(), scene);
+    const std::vector<char> all(feti.dealt.mine.size(), 1);
+    M = Teuchos::rcp(new DualPreconditioner(
+        feti.dealt.jump, feti.systems,
+        SurfaceOperators(*feti.systems, {*feti.systems, *feti.dealt.jump}, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
+  }
+  const std::vector<int>& boundary(int i) const { return M->surface().boundary((*feti.systems)[i].congruenceClass); }
+
+  Dense stiffness(int i) const {
+    const Eigen::Index n = Eigen::Index(boundary(i).size());
+    Dense S(n, n);
+    M->surface().apply((*feti.systems)[i].congruenceClass, Dense::Identity(n, n), S);
+    return 0.5 * (S + S.transpose());
+  }
+  Dense rigid(int i) const {
+    Dense R(Eigen::Index(boundary(i).size()), 6);
+    for (Eigen::Index k = 0; k < R.rows(); ++k) R.row(k) = (*feti.systems)[i].R().row(boundary(i)[std::size_t(k)]);
+    return R;
+  }
+};
+
+}  // namespace
+
+// What is left to a subdomain of a unit displacement of one unknown, by B_D^T B itself, one unknown of every subdomain of the scene at a time.
+TEUCHOS_UNIT_TEST(SpectralModes, WeightsAreThoseOfThePreconditioner) {
+  const Setup t;
+  const std::vector<CopyWeights> weights = copyWeights(*t.M);
+  TEST_EQUALITY(weights.size(), t.feti.dealt.mine.size());
+  const int first = t.feti.dealt.jump->firstSubdomain();
+  for (int subdomain = 0; subdomain < t.scene.partition.count; ++subdomain)
+    for (int k = 0; k < 40; k += 3) {
+      const int i = subdomain - first;
+      const bool isMine = i >= 0 && i < int(weights.size()) && k < int(t.boundary(i).size());
+      MultiVector e(t.feti.dealt.jump->getDomainMap(), 1), jumps(t.feti.map(), 1), moved(e.getMap(), 1);
+      const std::size_t at = isMine ? t.feti.dealt.jump->primalOffsets()[std::size_t(i)] + std::size_t(t.boundary(i)[std::size_t(k)]) : 0;
+      if (isMine) e.getDataNonConst(0)[std::ptrdiff_t(at)] = 1;
+      t.feti.dealt.jump->apply(e, jumps);
+      t.M->spread(jumps, moved);
+      if (!isMine) continue;
+      const double left = moved.getData(0)[std::ptrdiff_t(at)];
+      TEST_COMPARE(std::abs(weights[std::size_t(i)].coeff(k, 0) - left), <=, 1e-12);
+    }
+  // where nothing is prescribed the shares of all copies are 1 together: sum v_i v_j = v_i (1 - v_i)
+  int shared = 0;
+  for (const CopyWeights& D : weights) {
+    const Dense all = D;
+    for (Eigen::Index k = 0; k < all.rows(); ++k) {
+      const double own = 1 - all(k, 0), others = all.row(k).tail(all.cols() - 1).squaredNorm();
+      if (own == 0) continue;
+      ++shared;
+      TEST_COMPARE(std::abs(others - own * (1 - own)), <=, 1e-12);
+    }
+  }
+  TEST_ASSERT(shared > 0 || weights.empty());
+}
+
+// All eigenvalues by another way: with S = C^T C beside the rigid motions.
+TEUCHOS_UNIT_TEST(SpectralModes, AreThoseThatWeightsMakeStiff) {
+  constexpr double kLeast = 2;
+  const Setup t;
+  const std::vector<CopyWeights> weights = copyWeights(*t.M);
+  for (int i = 0; i < int(weights.size()); ++i) {
+    const Dense S = t.stiffness(i), R = t.rigid(i), D = weights[std::size_t(i)];
+    const SpectralModes found = spectralModes(S, R, weights[std::size_t(i)], kLeast);
+    Dense A = Dense::Zero(S.rows(), S.cols());
+    for (Eigen::Index g = 0; g < D.cols(); ++g) A += D.col(g).asDiagonal() * S * D.col(g).asDiagonal();
+    for (Eigen::Index j = 0; j < found.modes.cols(); ++j) {
+      const Eigen::VectorXd w = found.modes.col(j);
+      const double energy = w.dot(S * w);
+      TEST_COMPARE(std::abs(w.dot(A * w) / energy / found.theta[j] - 1), <=, 1e-8);
+      TEST_COMPARE((t.rigid(i).transpose() * S.diagonal().cwiseProduct(w)).norm(), <=, 1e-7 * S.diagonal().cwiseProduct(w).norm());
+    }
+    // motions beside rigid ones, in the product of diag S
+    const Eigen::VectorXd root = S.diagonal().cwiseSqrt();
+    const Dense all = Eigen::HouseholderQR<Dense>(root.asDiagonal() * R).householderQ();
+    const Dense V = root.cwiseInverse().asDiagonal() * all.rightCols(S.rows() - 6);
+    const Eigen::VectorXd theta = Eigen::GeneralizedSelfAdjointEigenSolver<Dense>(V.transpose() * A * V, V.transpose() * S * V).eigenvalues();
+    TEST_EQUALITY(found.theta.size(), (theta.array() > kLeast).count());
+    TEST_ASSERT(found.theta.size() > 0);
+    for (Eigen::Index j = 0; j < found.theta.size(); ++j) TEST_COMPARE(std::abs(found.theta[j] / theta[theta.size() - 1 - j] - 1), <=, 1e-7);
+  }
+}
