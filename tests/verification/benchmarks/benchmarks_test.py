@@ -65,6 +65,11 @@ class Small(Benchmark):
             total = np.sum(result.fields["contact_normal_force"][result.body == 0])
             self.assert_small(total / result.summary["contact"]["joint"]["normal_force"] - 1, 1e-9)
 
+    def test_orders_of_hertz(self):
+        for shape, sizes in (("TETRA4", (8, 16)), ("HEX8", (8, 16)), ("HEX20", (4, 8)), ("TETRA10", (4, 8))):
+            errors = [hertz.measure(self.folder, "cylinder", shape, n)["inside"] for n in sizes]
+            self.assertGreaterEqual(np.log2(errors[0] / errors[1]), hertz.ORDERS[shape], shape)
+
     def test_counts_on_thin_graded_meshes(self):
         """One layer of flat and long elements on rollers: contact, tied."""
         for shape, thickness, most, tied in (("HEX8", 1.0, 18, 16), ("HEX20", 1.0, 36, 45), ("HEX20", 0.3, 30, 30), ("TETRA10", 1.0, 50, 70),
