@@ -274,7 +274,7 @@ const std::vector<ElementsOfBodies> kPairings = {{"HEX8", ElementOrder::Linear, 
                                                  {"HEX27", ElementOrder::FullQuadratic, Cell::Hexahedron, Cell::Hexahedron},
                                                  {"TETRA4", ElementOrder::Linear, Cell::Tetrahedra, Cell::Tetrahedra},
                                                  {"TETRA10", ElementOrder::Quadratic, Cell::Tetrahedra, Cell::Tetrahedra},
-                                                 {"PYRAMID5 on WEDGE6", ElementOrder::Linear, Cell::Wedges, Cell::Pyramids},
+                                                 {"WEDGE6 on PYRAMID5", ElementOrder::Linear, Cell::Pyramids, Cell::Wedges},
                                                  {"HEX8 on TETRA4", ElementOrder::Linear, Cell::Tetrahedra, Cell::Hexahedron},
                                                  {"HEX20 on TETRA10", ElementOrder::Quadratic, Cell::Tetrahedra, Cell::Hexahedron}};
 
