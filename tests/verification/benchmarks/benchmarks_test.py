@@ -25,7 +25,6 @@ import refinement
 import rings
 import runs
 from haptos_runs import INPUTS, main, run_haptos
-from pages import order
 
 
 class Benchmark(unittest.TestCase):
@@ -46,12 +45,16 @@ class Small(Benchmark):
                 self.assertEqual((row["stick"], row["open"]), (0, 0), row)
 
     def test_rings(self):
-        for shape in ("HEX20", "TETRA10"):
-            found = [rings.errors(rings.run(self.folder / f"{shape}_{n}", shape, n)) for n in (4, 8)]
-            self.assert_small(found[-1][1], rings.SMALL[0], shape)
-            self.assert_small(found[-1][2], rings.SMALL[1], shape)
-            self.assertGreaterEqual(order((2, 1), [f[1] for f in found]), 0.9)
-            self.assertGreaterEqual(order((2, 1), [f[2] for f in found]), 2.3)
+        theory = rings.Rings()
+        self.assert_small(theory.pressure(np.eye(2)) / [9.259259e6 + 1.357179e6, 9.259259e6 - 1.357179e6] - 1, 1e-6)
+        self.assert_small(theory.displacement(np.eye(2), 1)[:, 0] / [-10.240274e-3, -5.759726e-3] - 1, 1e-6)
+        for shape, sizes in (("HEX8", (8, 16, 32)), ("HEX20", (4, 8, 16)), ("TETRA10", (4, 8, 16))):
+            found = [{"n": n, **rings.errors(rings.run(self.folder / f"{shape}_{n}", shape, n), theory)} for n in sizes]
+            for key, least in zip(("surface", "field"), rings.ORDERS[shape]):
+                self.assertGreaterEqual(rings.observed(found, key), least, (shape, key))
+            if shape != "HEX8":
+                self.assert_small(found[1]["rms"], rings.SMALL[0], shape)
+                self.assert_small(found[1]["shift"], rings.SMALL[1], shape)
 
     def test_hertz(self):
         for scene, shape, n in (("sphere", "HEX20", 3.2), ("cylinder", "HEX20", 8), ("cylinder", "TETRA10", 8)):
@@ -61,6 +64,15 @@ class Small(Benchmark):
             result = runs.read(self.folder / f"{scene}_{shape}_{n}")     # nodes of the secondary side have the multipliers themselves
             total = np.sum(result.fields["contact_normal_force"][result.body == 0])
             self.assert_small(total / result.summary["contact"]["joint"]["normal_force"] - 1, 1e-9)
+            if scene == "cylinder":
+                self.assert_order(row)
+        for shape in ("TETRA4", "HEX8"):
+            self.assert_order(hertz.measure(self.folder, "cylinder", shape, 16))
+
+    def assert_order(self, row):
+        """Of the cylinder's pressure, from a mesh twice as wide."""
+        coarse = hertz.measure(self.folder, "cylinder", row["shape"], row["n"] / 2)
+        self.assertGreaterEqual(np.log2(coarse["inside"] / row["inside"]), hertz.ORDERS[row["shape"]], row)
 
     def test_counts_on_thin_graded_meshes(self):
         """One layer of flat and long elements on rollers: contact, tied."""

@@ -20,11 +20,15 @@ class BenchmarkError(Exception):
 
 @dataclasses.dataclass
 class Result:
-    """Arrays of the result file [nodes (x 3)] and its summary; body: number of the block of every node, from 0."""
+    """Arrays of the result file [nodes (x 3)] and its summary; body: number of the block of every node, from 0.
+
+    blocks: their shape and connectivity [elements x nodes]
+    """
     summary: dict
     x: np.ndarray
     body: np.ndarray
     fields: dict
+    blocks: list
 
     def vector(self, name):
         return np.stack([self.fields[f"{name}_{axis}"] for axis in "xyz"], axis=1)
@@ -81,9 +85,11 @@ def read(folder, result="result.exo", summary="summary.json"):
     folder = pathlib.Path(folder)
     with netCDF4.Dataset(folder / result) as file:
         x = np.stack([np.ma.filled(file[f"coord{a}"][:]) for a in "xyz"], axis=1)
-        body = np.zeros(len(x), dtype=int)
+        body, blocks = np.zeros(len(x), dtype=int), []
         for k in range(len(file.dimensions["num_el_blk"])):
-            body[np.unique(np.ma.filled(file[f"connect{k + 1}"][:]) - 1)] = k
+            connect = file[f"connect{k + 1}"]
+            blocks.append((connect.elem_type, np.ma.filled(connect[:]) - 1))
+            body[np.unique(blocks[-1][1])] = k
         names = ["".join(c.decode() for c in row if c and c != b"\0").strip() for row in np.ma.filled(file["name_nod_var"][:], b"\0")]
         fields = {name: np.ma.filled(file[f"vals_nod_var{k + 1}"][-1]) for k, name in enumerate(names)}
-    return Result(json.loads((folder / summary).read_text()), x, body, fields)
+    return Result(json.loads((folder / summary).read_text()), x, body, fields, blocks)
