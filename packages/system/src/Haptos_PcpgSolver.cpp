@@ -44,23 +44,6 @@ class BalancedPreconditioner final : public Operator {
   std::unique_ptr<CoarseProblem> GDGT_;
 };
 
-// P F on Ker G: what is given lies there already, so that one projection of two is left out.
-class ProjectedFlexibility final : public Operator {
- public:
-  explicit ProjectedFlexibility(const DualProblem& dual) : F_(dual.F), P_(dual.P) {}
-  RCP<const Map> getDomainMap() const override { return F_->getDomainMap(); }
-  RCP<const Map> getRangeMap() const override { return F_->getRangeMap(); }
-  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
-    MultiVector Fx(x.getMap(), x.getNumVectors(), false);
-    F_->apply(x, Fx);
-    P_->apply(Fx, y, Teuchos::NO_TRANS, alpha, beta);
-  }
-
- private:
-  RCP<const DualOperator> F_;
-  RCP<const Operator> P_;
-};
-
 }  // namespace
 
 PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
@@ -86,7 +69,7 @@ void PcpgSolver::renew() {
   begin(solution_.lambda);
 }
 
-// b = P (h - F lambdaIm), x = P (start - lambdaIm) or 0
+// b = P (h - F lambdaIm), x = start - lambdaIm or 0
 void PcpgSolver::begin(const RCP<const Vector>& start) {
   const DualProblem& dual = context_.system.dual();
   Vector r(*dual.h, Teuchos::Copy);
@@ -97,15 +80,13 @@ void PcpgSolver::begin(const RCP<const Vector>& start) {
   const bool isNothing = b_->getVector(0)->norm2() <= kNothing * r.norm2();
   if (isNothing) b_->putScalar(0.0);
   x_->putScalar(0.0);
-  if (start.is_null() || isNothing) return;
-  r.update(1.0, *start, -1.0, *dual.lambdaIm, 0.0);
-  dual.P->apply(r, *x_);
+  if (!start.is_null() && !isNothing) x_->update(1.0, *start, -1.0, *dual.lambdaIm, 0.0);
 }
 
-// Belos iterates on P F x = b in Ker G, where x, b and what M gives lie; the residual that is left, of the right-hand side's.
+// Belos iterates on P F P x = b from where x is; the residual that is left, of the right-hand side's.
 double PcpgSolver::iterate(double tolerance, long most) {
   using Problem = Belos::LinearProblem<double, MultiVector, Operator>;
-  const RCP<const Operator> A = Teuchos::rcp(new ProjectedFlexibility(context_.system.dual()));
+  const RCP<const Operator> A = context_.system.dual().PFP;
   auto problem = Teuchos::rcp(new Problem(A, x_, b_));
   if (!preconditioner_.is_null()) problem->setLeftPrec(preconditioner_);
   problem->setProblem();
