@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "Haptos_CholmodNodes.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_SupernodalFactor.hpp"
 
@@ -69,8 +70,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   // Only one triangle of A is read: the one that CHOLMOD brings into its order by one transposition instead of two.
   static constexpr int kLower = -1, kUpper = 1;
 
-  std::vector<int> orderByNodes();
-  std::vector<int> orderGraph(cholmod_sparse& graph);
+  cholmod_factor* analyse();
   cholmod_sparse sparseView(int triangle) const;
   int failedColumn() const;
   std::size_t countEntries() const;
@@ -155,64 +155,27 @@ cholmod_sparse CholmodSolver<Matrix, Vector>::sparseView(int triangle) const {
   return a;
 }
 
-/// AMD for the graphs of subdomains, where it is as good as any; larger ones are analysed, and METIS tried where it fills in much.
+/// By the graph of nodes where unknowns come in threes, and where supernodes pay their supernodes, too.
 template <class Matrix, class Vector>
-std::vector<int> CholmodSolver<Matrix, Vector>::orderGraph(cholmod_sparse& graph) {
-  constexpr std::size_t kSmall = 1500;
-  std::vector<int> order(graph.nrow);
-  if (graph.nrow <= kSmall) return cholmod_amd(&graph, nullptr, 0, order.data(), &common_) ? order : std::vector<int>{};
-  cholmod_factor* analysis = cholmod_analyze(&graph, &common_);
-  if (analysis == nullptr) return {};
-  std::copy_n(static_cast<const int*>(analysis->Perm), graph.nrow, order.begin());
-  cholmod_free_factor(&analysis, &common_);
-  return order;
-}
-
-/// Order of the unknowns by that of the graph of nodes, three unknowns each: nine times fewer entries to look at.
-/// Empty where the pattern does not consist of such blocks.
-template <class Matrix, class Vector>
-std::vector<int> CholmodSolver<Matrix, Vector>::orderByNodes() {
-  const int n = int(starts_.size()) - 1, nodes = n / 3;
-  if (n % 3 != 0 || n < 60) return {};
-  std::vector<int> starts{0}, neighbours, seenBy(std::size_t(nodes), -1);
-  for (int node = 0; node < nodes; ++node) {
-    for (int k = starts_[3 * node]; k < starts_[3 * node + 3]; ++k) {
-      const int other = indices_[k] / 3;
-      if (seenBy[other] == node) continue;
-      seenBy[other] = node;
-      if (other >= node) neighbours.push_back(other);  // lower triangle
-    }
-    starts.push_back(int(neighbours.size()));
-  }
-  if (2 * neighbours.size() > indices_.extent(0) / 6) return {};
-  cholmod_sparse graph{};
-  graph.nrow = graph.ncol = std::size_t(nodes);
-  graph.nzmax = neighbours.size();
-  graph.p = starts.data();
-  graph.i = neighbours.data();
-  graph.stype = -1;
-  graph.itype = CHOLMOD_INT;
-  graph.xtype = CHOLMOD_PATTERN;
-  graph.packed = 1;
-  const std::vector<int> orderOfNodes = orderGraph(graph);
-  std::vector<int> order;
-  for (int node : orderOfNodes)
-    for (int c = 0; c < 3; ++c) order.push_back(3 * node + c);
-  return order;
+cholmod_factor* CholmodSolver<Matrix, Vector>::analyse() {
+  auto a = sparseView(kLower);
+  const NodeGraph nodes(starts_, indices_.data());
+  std::vector<int> order = nodes.isEmpty() ? std::vector<int>{} : nodes.order(common_);
+  if (order.empty()) return cholmod_analyze(&a, &common_);
+  common_.nmethods = 1;
+  common_.method[0].ordering = CHOLMOD_GIVEN;
+  if (cholmod_factor* byNodes = nodes.analyse(order, common_)) return byNodes;
+  std::vector<int> ofUnknowns;
+  for (int node : order) ofUnknowns.insert(ofUnknowns.end(), {3 * node, 3 * node + 1, 3 * node + 2});
+  return cholmod_analyze_p(&a, ofUnknowns.data(), nullptr, 0, &common_);
 }
 
 template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   cholmod_free_factor(&factor_, &common_);
-  auto a = sparseView(kLower);
-  std::vector<int> order = orderByNodes();
-  if (!order.empty()) {
-    common_.nmethods = 1;
-    common_.method[0].ordering = CHOLMOD_GIVEN;
-  }
-  factor_ = cholmod_analyze_p(&a, order.empty() ? nullptr : order.data(), nullptr, 0, &common_);
+  factor_ = analyse();
   TEUCHOS_TEST_FOR_EXCEPTION(factor_ == nullptr, std::runtime_error,
-                             "CHOLMOD: the symbolic factorisation of " << a.nrow << " unknowns failed with status "
+                             "CHOLMOD: the symbolic factorisation of " << starts_.size() - 1 << " unknowns failed with status "
                                                                        << common_.status << " (-2: out of memory)");
   flops_ = common_.fl;
   return 0;

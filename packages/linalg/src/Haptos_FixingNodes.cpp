@@ -16,18 +16,21 @@ namespace {
 /// Nodes of every connected piece of K's graph, pieces in the order of their lowest node.
 std::vector<std::vector<int>> connectedPieces(const Eigen::SparseMatrix<double>& K) {
   const int nodes = int(K.rows()) / 3;
-  std::vector<bool> seen(nodes, false);
+  int left = nodes;  // not seen yet: where none is, the columns that were not looked at say nothing new
+  std::vector<char> seen(nodes, false);
   std::vector<std::vector<int>> pieces;
   for (int seed = 0; seed < nodes; ++seed) {
     if (seen[seed]) continue;
     std::vector<int> piece{seed};
     seen[seed] = true;
-    for (std::size_t next = 0; next < piece.size(); ++next)
+    --left;
+    for (std::size_t next = 0; next < piece.size() && left > 0; ++next)
       for (int c = 0; c < 3; ++c)
         for (Eigen::SparseMatrix<double>::InnerIterator it(K, 3 * piece[next] + c); it; ++it) {
           const int neighbour = int(it.row()) / 3;
           if (seen[neighbour]) continue;
           seen[neighbour] = true;
+          --left;
           piece.push_back(neighbour);
         }
     std::sort(piece.begin(), piece.end());

@@ -46,22 +46,22 @@ SupernodalFactor<Scalar>::SupernodalFactor(const SupernodeView& v) : perm_(v.per
     size = rectangle + std::size_t(columns) * std::size_t(stored);
     largest_ = std::max(largest_, stored);
   }
-  entries_.reserve(size + std::size_t(kCount));
+  entries_.resize(Eigen::Index(size) + kCount);
   for (int k = 0; k < v.supernodes; ++k) append(nodes_[std::size_t(k)], v.x + v.px[k]);
-  entries_.resize(size + std::size_t(kCount), Scalar(0));  // the last column, too, is read to the end of a register
+  entries_.tail(kCount).setZero();  // the last column, too, is read to the end of a register
 }
 
 // L / scale without the zeros above the diagonal; 1 / L_jj in the place of L_jj, as a sweep multiplies by it.
 template <class Scalar>
 void SupernodalFactor<Scalar>::append(const Supernode& node, const double* block) {
   const int n = node.columns, rows = n + node.rowsBelow;
-  entries_.resize(node.rectangle + std::size_t(n) * std::size_t(node.storedRows), Scalar(0));
   Scalar *triangle = entries_.data() + node.triangle, *rectangle = entries_.data() + node.rectangle;
   const double scale = scale_, unit = 1 / scale_;
   for (int j = 0; j < n; ++j, block += rows, rectangle += node.storedRows) {
     *triangle++ = Scalar(scale / block[j]);
     for (int i = j + 1; i < n; ++i) *triangle++ = Scalar(block[i] * unit);
     for (int i = n; i < rows; ++i) rectangle[i - n] = Scalar(block[i] * unit);
+    std::fill(rectangle + node.rowsBelow, rectangle + node.storedRows, Scalar(0));
   }
 }
 

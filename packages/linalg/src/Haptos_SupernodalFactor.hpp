@@ -51,7 +51,7 @@ class SupernodalFactor {
   /// @}
 
   Eigen::Index rows() const { return Eigen::Index(perm_.size()); }
-  std::size_t entries() const { return entries_.size(); }
+  std::size_t entries() const { return std::size_t(entries_.size()); }
 
  private:
   std::vector<Scalar> workspace() const { return std::vector<Scalar>(std::size_t(largest_) + 1); }
@@ -61,9 +61,9 @@ class SupernodalFactor {
   std::vector<int> perm_;
   std::vector<Supernode> nodes_;
   std::vector<int> rowsBelow_;
-  std::vector<Scalar> entries_;  // of all supernodes, in the order of a solve
-  int largest_ = 0;              // stored rows of any supernode
-  double scale_ = 1;             // of L
+  Eigen::Array<Scalar, Eigen::Dynamic, 1> entries_;  // of all supernodes, in the order of a solve
+  int largest_ = 0;  // stored rows of any supernode
+  double scale_ = 1;  // of L
 };
 
 extern template class SupernodalFactor<double>;

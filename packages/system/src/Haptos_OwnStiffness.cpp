@@ -59,13 +59,31 @@ void requireSize(const Part& part) {
                      " unknowns, three each.");
 }
 
-// || K - K^T ||_max; entries are compared where they stand if they stand in the same places, as they nearly always do.
+// || K - K^T ||_max without a transpose: column by column, entries below the diagonal meet those of their rows in the order in which these stand.
+// Negative if the entries do not stand in the same places.
+double asymmetryInPlace(const SparseMatrix& K) {
+  const int *begin = K.outerIndexPtr(), *rows = K.innerIndexPtr();
+  const double* values = K.valuePtr();
+  std::vector<int> next(begin, begin + K.cols());  // of each column's entries above the diagonal
+  double worst = 0;
+  for (int j = 0; j < int(K.cols()); ++j) {
+    // All columns before are through: what is next in this one stands on the diagonal or below.
+    int k = next[std::size_t(j)];
+    if (k < begin[j + 1] && rows[k] < j) return -1;
+    if (k < begin[j + 1] && rows[k] == j) ++k;
+    for (; k < begin[j + 1]; ++k) {
+      const int opposite = next[std::size_t(rows[k])]++;
+      if (opposite >= begin[rows[k] + 1] || rows[opposite] != j) return -1;
+      worst = std::max(worst, std::abs(values[k] - values[opposite]));
+    }
+  }
+  return worst;
+}
+
 double asymmetry(const SparseMatrix& K) {
-  const SparseMatrix T = K.transpose();
-  if (std::equal(K.outerIndexPtr(), K.outerIndexPtr() + K.outerSize() + 1, T.outerIndexPtr()) &&
-      std::equal(K.innerIndexPtr(), K.innerIndexPtr() + K.nonZeros(), T.innerIndexPtr()))
-    return (K.coeffs() - T.coeffs()).abs().maxCoeff();
-  const SparseMatrix difference = K - T;
+  const double inPlace = asymmetryInPlace(K);
+  if (inPlace >= 0) return inPlace;
+  const SparseMatrix T = K.transpose(), difference = K - T;
   return difference.coeffs().abs().maxCoeff();
 }
 
@@ -116,7 +134,9 @@ Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
 Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinates) {
   using Small = Eigen::Matrix<double, 6, 6>;
   const Eigen::MatrixXd R = rigidBodyModes(coordinates, {});
-  const Small energy = R.transpose() * (K * R), measure = R.transpose() * K.diagonal().asDiagonal() * R;
+  const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> motions = R;  // by rows: K is read once for all six
+  const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> forces = K * motions;
+  const Small energy = motions.transpose() * forces, measure = R.transpose() * K.diagonal().asDiagonal() * R;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Small> eigen(0.5 * (energy + energy.transpose()), measure);
   Eigen::Index k = 0;
   while (k < 6 && eigen.eigenvalues()[k] <= kNoEnergy) ++k;
@@ -135,22 +155,24 @@ OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
   }
 }
 
-// Rows as they come, then columns, which brings their entries into order.
+// K is symmetric: its rows as they come are its columns, where their entries are in order.  Otherwise a transposition brings them there.
 SparseMatrix OwnStiffness::assemble(int i) const {
   const CrsMatrix& K = *part(i).K;
   const auto n = Eigen::Index(localNumRows(K));
-  Eigen::SparseMatrix<double, Eigen::RowMajor> rows(n, n);
-  rows.resizeNonZeros(Eigen::Index(localNumEntries(K)));
-  int* const end = rows.outerIndexPtr() + 1;
-  std::fill_n(end, n, 0);
-  int at = 0;
-  forEachEntry(K, [&](int row, int column, double value) {
-    rows.innerIndexPtr()[at] = column;
-    rows.valuePtr()[at] = value;
-    end[row] = ++at;
+  SparseMatrix result(n, n);
+  result.resizeNonZeros(Eigen::Index(localNumEntries(K)));
+  int* const begin = result.outerIndexPtr();
+  std::fill_n(begin, n + 1, 0);
+  bool isInOrder = true;
+  forEachRow(K, [&](int row, const LocalOrdinal* columns, const double* values, std::size_t count) {
+    std::copy_n(columns, count, result.innerIndexPtr() + begin[row]);
+    std::copy_n(values, count, result.valuePtr() + begin[row]);
+    begin[row + 1] = begin[row] + int(count);
+    for (std::size_t k = 1; k < count; ++k) isInOrder = isInOrder && columns[k - 1] < columns[k];
   });
-  for (Eigen::Index r = 1; r < n; ++r) end[r] = std::max(end[r], end[r - 1]);  // rows without entries
-  return rows;
+  if (isInOrder) return result;
+  using Rows = Eigen::Map<const Eigen::SparseMatrix<double, Eigen::RowMajor>>;
+  return Rows(n, n, result.nonZeros(), begin, result.innerIndexPtr(), result.valuePtr());
 }
 
 // Row by row from the caller's matrix, not from what was factored: it is what residuals are measured with.
