@@ -20,6 +20,7 @@ namespace {
 constexpr int kBlock = 32;             // columns of Z that are made at a time
 constexpr double kNegligible = 1e-14;  // entries of a column, of its largest
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
+constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
@@ -220,6 +221,16 @@ void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t,
   for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(which[0])](Eigen::Index(k), which[1]);
 }
 
+// Averages that are round-off would be scaled to motions like others, which have jumps.
+void DeflatedPreconditioner::averageMotions(MultiVector& t) const {
+  Teuchos::Array<double> before(t.getNumVectors()), after(t.getNumVectors());
+  t.norm2(before());
+  average(t);
+  t.norm2(after());
+  for (std::size_t j = 0; j < t.getNumVectors(); ++j)
+    if (after[Teuchos_Ordinal(j)] <= kCancelled * before[Teuchos_Ordinal(j)]) t.getVectorNonConst(j)->putScalar(0.0);
+}
+
 // H Z and C H Z, `kBlock` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
 void DeflatedPreconditioner::assemble() {
   const auto& comm = *getRangeMap()->getComm();
@@ -235,7 +246,7 @@ void DeflatedPreconditioner::assemble() {
       const int own = first + j - before;
       if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], t, std::size_t(j));
     }
-    average(t);
+    averageMotions(t);
     toHalf(t);
     appendNonzeros(t, first, width, hz);
     applyRest(t);

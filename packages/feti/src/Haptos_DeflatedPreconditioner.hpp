@@ -62,6 +62,7 @@ class DeflatedPreconditioner final : public Operator {
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
   void average(MultiVector& t) const;
+  void averageMotions(MultiVector& t) const;
   void applyRest(MultiVector& t) const;
   template <class Local>
   void onSubdomains(MultiVector& t, Local&& local) const;
