@@ -168,11 +168,18 @@ void FetiSystem::findSlender() {
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
-// Spectral modes are looked for in subdomains with few boundary unknowns, and where there are few subdomains: the factor of K is dense.
+// Spectral modes are looked for in subdomains with few boundary unknowns, and where there are few subdomains: the factor of K is dense.  The
+// dense S that they want costs a solve for each of these unknowns: from the first step on only where that is little.
 void FetiSystem::findSpectra() {
-  bool isLarge = kind_ != PreconditionerKind::Dirichlet;
-  for (int i = 0; i < systems_->size(); ++i) isLarge = isLarge || int(touched_->of(i).size()) > DeflatedPreconditioner::kLargestSpectrum;
+  constexpr int kCheap = 300;  // decisions/042
+  bool isLarge = kind_ != PreconditionerKind::Dirichlet, isDear = false;
+  for (int i = 0; i < systems_->size(); ++i) {
+    const int size = int(touched_->of(i).size());
+    isLarge = isLarge || size > DeflatedPreconditioner::kLargestSpectrum;
+    isDear = isDear || size > kCheap;
+  }
   hasSpectra_ = !anyOfAll(*model_.comm, isLarge) && G_->dimension() <= DeflatedPreconditioner::kMostSpectral;
+  hasCheapSpectra_ = !anyOfAll(*model_.comm, isDear) && hasSpectra_;
 }
 
 // Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of

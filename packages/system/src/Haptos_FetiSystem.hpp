@@ -56,8 +56,8 @@ class FetiSystem {
   const Vector& c() const { return *step_.c; }
   const DualProblem& dual() const { return dual_; }
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
-  /// \brief Whether the preconditioner is known to be poor from the start: slender subdomains, or hard elements whose spectral modes can be had.
-  bool needsDeflation() const { return anySlender_ || (model_.isHard && hasSpectra_); }
+  /// \brief Whether the preconditioner is known to be poor from the start: slender subdomains, or hard elements whose spectral modes cost little.
+  bool needsDeflation() const { return anySlender_ || (model_.isHard && hasCheapSpectra_); }
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
   RCP<const DeflatedPreconditioner> makeDeflated() const;
@@ -86,7 +86,7 @@ class FetiSystem {
   LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
   std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]
-  bool anySlender_ = false, hasSpectra_ = false;
+  bool anySlender_ = false, hasSpectra_ = false, hasCheapSpectra_ = false;
 };
 
 }  // namespace Haptos
