@@ -41,7 +41,7 @@ void appendNonzeros(const MultiVector& block, int column, int width, std::vector
   }
 }
 
-constexpr double kStiffer = 4;       // theta of motions that are deflated: half of it takes twice the motions (decisions/042)
+constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 
 void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
   all.conservativeResize(Eigen::NoChange, all.cols() + more.cols());

@@ -10,10 +10,11 @@
 
 namespace Haptos {
 
-/// \brief M_Z = B_D Pi^T S Pi B_D^T, Pi = I - Z K^+ Z^T S, K = Z^T S Z: the Dirichlet preconditioner for slender subdomains.
+/// \brief M_Z = B_D Pi^T S Pi B_D^T, Pi = I - Z K^+ Z^T S, K = Z^T S Z: the Dirichlet preconditioner for slender subdomains and hard elements.
 ///
 /// M x is the force of the displacement B_D^T x, whose jump is x; M_Z x that of B_D^T x + Z a, a such that the energy is
-/// least.  Z holds the rigid and the soft motions (`SoftSpectrum`) of every subdomain, averaged over the copies of a node
+/// least.  Z holds the rigid motions of every subdomain, the soft ones of slender ones (`SoftSpectrum`) and those that cutting makes stiff of
+/// others (`SpectralModes`), averaged over the copies of a node
 /// and across closed contact, so that B Z = 0.  With all continuous motions in Z, M_Z would be the inverse of F.  Since
 /// Z holds the rigid motions, G M_Z = 0.
 ///
