@@ -28,6 +28,7 @@ struct ContactOperators {
   /// A better M with G M = 0 (DeflatedPreconditioner), and M between contact rows where that is cheaper than M; else null.
   struct Deflated {
     RCP<const Operator> M, contactM;
+    double stiffness = 1;  ///< of pairs, in parts of what the diagonal of the other M says
   };
   /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
   std::function<Deflated()> makeDeflatedM;

@@ -18,7 +18,7 @@ bool DirectionChoice::condense() {
   mayCondense_ = false;  // M_Z is made at a price, and once: what it cannot do now it cannot do later
   const auto deflated = dual_.makeDeflatedM();
   if (deflated.M.is_null()) return false;
-  condensed_ = std::make_unique<CondensedDirection>(deflated, dual_, balance_, diagonalOfMcc_, balanced_.pairStiffness(), options_);
+  condensed_ = std::make_unique<CondensedDirection>(deflated, dual_, balance_, diagonalOfMcc_, deflated.stiffness * balanced_.pairStiffness(), options_);
   return true;
 }
 
