@@ -2,11 +2,10 @@
 #include "Haptos_DeflatedPreconditioner.hpp"
 
 #include <Teuchos_UnitTestHarness.hpp>
-#include <Tpetra_Core.hpp>
 #include <algorithm>
 
-#include "FetiScene.hpp"
 #include "Haptos_SoftModes.hpp"
+#include "HeldBeams.hpp"
 
 namespace {
 
@@ -14,25 +13,12 @@ using namespace Haptos;
 using namespace Haptos::Testing;
 
 // Two beams held at one end, or two plates.
-struct Setup {
-  Scene scene;
-  Feti feti;
+struct Setup : HeldBeams {
   std::vector<char> slender;
-  RCP<DualPreconditioner> M;
   RCP<const DeflatedPreconditioner> deflated;
 
-  explicit Setup(double height) {
-    SceneOptions options = heldScene(4);
-    options.lower = options.upper = {4, 2, 2};
-    options.distortion = 0;
-    options.height = height;
-    scene = makeScene(options);
-    feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  explicit Setup(double height) : HeldBeams(height) {
     for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub.coordinates));
-    const std::vector<char> all(slender.size(), 1);
-    M = Teuchos::rcp(new DualPreconditioner(
-        feti.dealt.jump, feti.systems,
-        SurfaceOperators(*feti.systems, {*feti.systems, *feti.dealt.jump}, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
     deflated = DeflatedPreconditioner::make(M, slender);
   }
 

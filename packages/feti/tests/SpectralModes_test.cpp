@@ -3,35 +3,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <Teuchos_UnitTestHarness.hpp>
-#include <Tpetra_Core.hpp>
 
-#include "FetiScene.hpp"
-#include "Haptos_DualPreconditioner.hpp"
-#include "Haptos_SurfaceOperators.hpp"
+#include "HeldBeams.hpp"
 
 namespace {
 
 using namespace Haptos;
 using namespace Haptos::Testing;
 
-// Two beams of flat elements, held at one end.
-struct Setup {
-  Scene scene;
-  Feti feti;
-  RCP<DualPreconditioner> M;
-
-  Setup() {
-    SceneOptions options = heldScene(4);
-    options.lower = options.upper = {4, 2, 2};
-    options.distortion = 0;
-    options.height = 0.2;
-    scene = makeScene(options);
-    feti = makeFeti(Tpetra::getDefaultComm(), scene);
-    const std::vector<char> all(feti.dealt.mine.size(), 1);
-    M = Teuchos::rcp(new DualPreconditioner(
-        feti.dealt.jump, feti.systems,
-        SurfaceOperators(*feti.systems, {*feti.systems, *feti.dealt.jump}, PreconditionerKind::Dirichlet, LocalSolverMethod::Automatic, all)));
-  }
+// Flat elements.
+struct Setup : HeldBeams {
+  Setup() : HeldBeams(0.2) {}
   const std::vector<int>& boundary(int i) const { return M->surface().boundary((*feti.systems)[i].congruenceClass); }
 
   Dense stiffness(int i) const {
