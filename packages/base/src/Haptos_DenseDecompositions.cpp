@@ -9,7 +9,9 @@
 #include <limits>
 #include <vector>
 
-// Teuchos has no eigenvalues in a range.
+// Teuchos has neither these by divide and conquer nor those in a range.
+extern "C" void dsyevd_(const char* job, const char* uplo, const int* n, double* A, const int* lda, double* values, double* work, const int* lwork,
+                        int* iwork, const int* liwork, int* info);
 extern "C" void dsygvx_(const int* type, const char* job, const char* range, const char* uplo, const int* n, double* A, const int* lda, double* B,
                         const int* ldb, const double* lower, const double* upper, const int* first, const int* last, const double* tolerance,
                         int* found, double* values, double* vectors, const int* ldz, double* work, const int* lwork, int* iwork, int* failed,
@@ -25,10 +27,23 @@ void decomposeByLapack(Eigen::MatrixXd A, Result& result) {
   Eigen::VectorXd values(n);
   std::vector<double> work(std::size_t(34 * n));  // blocks of 32
   int info = 0;
-  Teuchos::LAPACK<int, double>().SYEV('V', 'U', n, A.data(), n, values.data(), work.data(), int(work.size()), &info);
+  Teuchos::LAPACK<int, double>().SYEV('V', 'L', n, A.data(), n, values.data(), work.data(), int(work.size()), &info);
   TEUCHOS_TEST_FOR_EXCEPTION(info != 0, std::runtime_error, "the eigenvalues of a symmetric matrix of size " << n << " were not found");
   result.values = values;
   result.vectors = A;
+}
+
+// By LAPACK's divide and conquer: false where it fails.
+bool decomposeByHalves(Eigen::MatrixXd A, SymmetricEigen& result) {
+  const int n = int(A.rows()), lwork = 1 + n * (6 + 2 * n), liwork = 3 + 5 * n;
+  Eigen::VectorXd values(n);
+  std::vector<double> work(static_cast<std::size_t>(lwork));
+  std::vector<int> iwork(static_cast<std::size_t>(liwork));
+  int info = 0;
+  dsyevd_("V", "L", &n, A.data(), &n, values.data(), work.data(), &lwork, iwork.data(), &liwork, &info);
+  result.values = std::move(values);
+  result.vectors = std::move(A);
+  return info == 0;
 }
 
 // Eigenvalues ascend.  Eigen's iteration, which is bounded, was seen to end before the last eigenvalue of a spectrum from 1e-5 to 540: without
@@ -43,7 +58,11 @@ void decompose(const Matrix& A, Result& result) {
 
 }  // namespace
 
-SymmetricEigen::SymmetricEigen(const Eigen::MatrixXd& A) { decompose(A, *this); }
+// Eigen's rotations of vectors are bound by memory: five times the time of LAPACK's from some hundred rows on.
+SymmetricEigen::SymmetricEigen(const Eigen::MatrixXd& A) {
+  constexpr Eigen::Index kLarge = 100;
+  if (A.rows() < kLarge || !decomposeByHalves(A, *this)) decompose(A, *this);
+}
 SymmetricEigen2::SymmetricEigen2(const Eigen::Matrix2d& A) { decompose(A, *this); }
 SymmetricEigen3::SymmetricEigen3(const Eigen::Matrix3d& A) { decompose(A, *this); }
 

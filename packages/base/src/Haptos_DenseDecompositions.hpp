@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
-#include <memory>
 #include <vector>
 
 namespace Haptos {
@@ -49,17 +48,19 @@ struct PivotedQr {
   explicit PivotedQr(const Eigen::MatrixXd& A);
 };
 
-/// \brief L D L^T with pivoting of a symmetric matrix that is positive semidefinite.
-class PivotedLdlt {
+/// \brief Cholesky's factor with pivoting of a symmetric matrix that is positive semidefinite.
+class PivotedCholesky {
  public:
-  explicit PivotedLdlt(const Eigen::MatrixXd& A);
-  ~PivotedLdlt();
-  /// \brief A^+ B, where pivots at or below `least` are left out.
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& B, double least) const;
+  /// \param least pivots at or below it are left out, with their rows and columns
+  PivotedCholesky(Eigen::MatrixXd A, double least);
+  /// \brief A x = b for b in the image of A, x = 0 where pivots were left out.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+  Eigen::Index rank() const { return Eigen::Index(pivots_.size()); }
 
  private:
-  struct Factor;
-  std::unique_ptr<const Factor> factor_;
+  Eigen::MatrixXd L_;        // [rank x rank]
+  Eigen::Index size_;
+  std::vector<int> pivots_;  // [rank] rows of A
 };
 
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);  ///< A symmetric
@@ -70,6 +71,9 @@ Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b);  ///< NaN
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);
+
+/// \brief Adds T^T T to the lower triangle of A; what is above the diagonal is not defined.
+void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A);
 
 /// \brief Orthonormal basis of the image of A, whose columns are independent; Householder.
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A);

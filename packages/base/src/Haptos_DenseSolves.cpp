@@ -1,12 +1,16 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
 #include <limits>
 #include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
+
+// Teuchos has none with pivoting.
+extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* lda, int* pivots, int* rank, const double* least, double* work, int* info);
 
 namespace Haptos {
 
@@ -17,21 +21,24 @@ PivotedQr::PivotedQr(const Eigen::MatrixXd& A) {
   Q = qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), std::min(A.rows(), A.cols()));
 }
 
-struct PivotedLdlt::Factor : Eigen::LDLT<Eigen::MatrixXd> {
-  using LDLT::LDLT;
-};
+PivotedCholesky::PivotedCholesky(Eigen::MatrixXd A, double least) : size_(A.rows()) {
+  const int n = int(size_);
+  std::vector<int> pivots(static_cast<std::size_t>(n));
+  std::vector<double> work(std::size_t(2 * n));
+  int rank = 0, info = 0;
+  if (n > 0) dpstrf_("L", &n, A.data(), &n, pivots.data(), &rank, &least, work.data(), &info);
+  L_ = A.topLeftCorner(rank, rank);
+  for (int k = 0; k < rank; ++k) pivots_.push_back(pivots[std::size_t(k)] - 1);
+}
 
-PivotedLdlt::PivotedLdlt(const Eigen::MatrixXd& A) : factor_(std::make_unique<Factor>(A)) {}
-PivotedLdlt::~PivotedLdlt() = default;
-
-// P A P^T = L D L^T, X = P^T L^-T D^+ L^-1 P B: pivots that are round-off count as 0.
-Eigen::MatrixXd PivotedLdlt::solve(const Eigen::MatrixXd& B, double least) const {
-  Eigen::MatrixXd X = factor_->transpositionsP() * B;
-  factor_->matrixL().solveInPlace(X);
-  const auto pivots = factor_->vectorD();
-  for (Eigen::Index i = 0; i < X.rows(); ++i) X.row(i) *= pivots[i] > least ? 1 / pivots[i] : 0.0;
-  factor_->matrixU().solveInPlace(X);
-  return factor_->transpositionsP().transpose() * X;
+Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd X(rank(), B.cols()), all = Eigen::MatrixXd::Zero(size_, B.cols());
+  for (Eigen::Index k = 0; k < rank(); ++k) X.row(k) = B.row(pivots_[std::size_t(k)]);
+  const auto L = L_.triangularView<Eigen::Lower>();
+  L.solveInPlace(X);
+  L.transpose().solveInPlace(X);
+  for (Eigen::Index k = 0; k < rank(); ++k) all.row(pivots_[std::size_t(k)]) = X.row(k);
+  return all;
 }
 
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
@@ -59,6 +66,11 @@ Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorX
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
   if (threshold > 0) qr.setThreshold(threshold);
   return qr.compute(A).solve(b);
+}
+
+void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A) {
+  const int n = int(T.cols()), m = int(T.rows());
+  Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, n, m, 1.0, T.data(), std::max(1, m), 1.0, A.data(), std::max(1, n));
 }
 
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A) {

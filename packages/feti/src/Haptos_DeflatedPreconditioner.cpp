@@ -18,11 +18,8 @@ namespace Haptos {
 namespace {
 
 constexpr int kBlock = 32;             // columns of Z that are made at a time
-constexpr double kNegligible = 1e-14;  // entries of a column, of its largest
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
-
-using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 // This rank's entries, in place.
 Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> columnsOf(MultiVector& t) {
@@ -30,15 +27,15 @@ Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> columnsOf(MultiVector& t) {
   return {data.getRawPtr(), Eigen::Index(t.getLocalLength()), Eigen::Index(t.getNumVectors()), Eigen::OuterStride<>(Eigen::Index(t.getStride()))};
 }
 
-// Z's columns reach a subdomain and its neighbours; what is round-off beside the largest entry would make them dense.
-void appendNonzeros(const MultiVector& block, int column, int width, std::vector<Eigen::Triplet<double>>& triplets) {
-  for (int j = 0; j < width; ++j) {
-    const auto data = block.getData(std::size_t(j));
-    double largest = 0;
-    for (double value : data) largest = std::max(largest, std::abs(value));
-    for (int i = 0; i < int(data.size()); ++i)
-      if (std::abs(data[i]) > kNegligible * largest) triplets.emplace_back(i, column + j, data[i]);
-  }
+// A X, most of whose rows may be zero: motions of neighbours
+Eigen::MatrixXd timesSparse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& X) {
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < X.rows(); ++i)
+    if (!X.row(i).isZero(0)) rows.push_back(i);
+  if (2 * Eigen::Index(rows.size()) > X.rows()) return A * X;
+  Eigen::MatrixXd columns(A.rows(), Eigen::Index(rows.size())), values(Eigen::Index(rows.size()), X.cols());
+  for (std::size_t k = 0; k < rows.size(); ++k) columns.col(Eigen::Index(k)) = A.col(rows[k]), values.row(Eigen::Index(k)) = X.row(rows[k]);
+  return columns * values;
 }
 
 constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
@@ -88,7 +85,7 @@ RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const D
 }
 
 DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender)
-    : base_(std::move(base)) {
+    : base_(std::move(base)), HZ_(boundaryUnknowns()), CHZ_(boundaryUnknowns()) {
   findMotions(slender);
 }
 
@@ -191,7 +188,8 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
 // t := H t with S = H^T C H: L t where a subdomain is slender, t where it is not
 void DeflatedPreconditioner::toHalf(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
-    if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)] * x).eval();
+    const Eigen::MatrixXd& L = L_[std::size_t(c)];
+    if (L.size() > 0) x = timesSparse(L, x);
   });
 }
 
@@ -231,6 +229,31 @@ void DeflatedPreconditioner::averageMotions(MultiVector& t) const {
     if (after[Teuchos_Ordinal(j)] <= kCancelled * before[Teuchos_Ordinal(j)]) t.getVectorNonConst(j)->putScalar(0.0);
 }
 
+std::vector<std::vector<Eigen::Index>> DeflatedPreconditioner::boundaryUnknowns() const {
+  std::vector<std::vector<Eigen::Index>> unknowns(std::size_t(base_->systems().size()));
+  for (std::size_t i = 0; i < unknowns.size(); ++i)
+    for (int dof : base_->surface().boundary(base_->systems()[int(i)].congruenceClass))
+      unknowns[i].push_back(Eigen::Index(base_->jump().primalOffsets()[i]) + dof);
+  return unknowns;
+}
+
+// S_i = L^T L: it is slender.
+bool DeflatedPreconditioner::isHalved(std::size_t subdomain) const { return L_[std::size_t(base_->systems()[int(subdomain)].congruenceClass)].size() > 0; }
+
+// C = 1 there.
+void DeflatedPreconditioner::shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const {
+  for (std::size_t i = 0; i < motions_.size(); ++i)
+    if (isHalved(i)) rest.share(i, half);
+}
+
+// Appends H t and C H t, which are the same where a subdomain is slender; t is changed.
+void DeflatedPreconditioner::makeHalves(MultiVector& t, SubdomainColumns& half, SubdomainColumns& rest) const {
+  toHalf(t);
+  half.append(columnsOf(t));
+  applyRest(t);
+  rest.append(columnsOf(t));
+}
+
 // H Z and C H Z, `kBlock` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
 void DeflatedPreconditioner::assemble() {
   const auto& comm = *getRangeMap()->getComm();
@@ -238,7 +261,7 @@ void DeflatedPreconditioner::assemble() {
   for (int i = 0; i < base_->systems().size(); ++i)
     for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
-  std::vector<Eigen::Triplet<double>> hz, chz;
+  shareSlender(HZ_, CHZ_);
   for (int first = 0; first < all; first += kBlock) {
     const int width = std::min(kBlock, all - first);
     MultiVector t(base_->jump().getDomainMap(), width);
@@ -247,18 +270,9 @@ void DeflatedPreconditioner::assemble() {
       if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], t, std::size_t(j));
     }
     averageMotions(t);
-    toHalf(t);
-    appendNonzeros(t, first, width, hz);
-    applyRest(t);
-    appendNonzeros(t, first, width, chz);
+    makeHalves(t, HZ_, CHZ_);
   }
-  const Eigen::Index primal = Eigen::Index(base_->jump().primalOffsets().back());
-  HZ_.resize(primal, all);
-  CHZ_.resize(primal, all);
-  HZ_.setFromTriplets(hz.begin(), hz.end());
-  CHZ_.setFromTriplets(chz.begin(), chz.end());
-  const Eigen::MatrixXd part = Columns(HZ_.transpose() * CHZ_);
-  const auto K = sumOfAll(comm, part);
+  const auto K = sumOfAll(comm, HZ_.gram(CHZ_));
   factor(0.5 * (K + K.transpose()));
 }
 
@@ -268,10 +282,7 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
   for (Eigen::Index first = 0; first < CHZ_.cols(); first += kBlock) {
     const Eigen::Index width = std::min<Eigen::Index>(kBlock, CHZ_.cols() - first);
     MultiVector t(base_->jump().getDomainMap(), std::size_t(width)), y(getRangeMap(), std::size_t(width));
-    for (Eigen::Index j = 0; j < width; ++j) {
-      const auto data = t.getDataNonConst(std::size_t(j));
-      for (Columns::InnerIterator it(CHZ_, first + j); it; ++it) data[it.row()] = it.value();
-    }
+    CHZ_.copyTo(first, columnsOf(t));
     base_->collect(t, y);
     for (Eigen::Index j = 0; j < width; ++j) {
       const auto data = y.getData(std::size_t(j));
@@ -289,31 +300,50 @@ RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
   return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
 }
 
-// L D L^T with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.
+// Cholesky's factor with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.
 void DeflatedPreconditioner::factor(const Eigen::MatrixXd& K) {
   scale_ = K.diagonal();
   const double largest = scale_.maxCoeff();
   for (double& value : scale_) value = value > 1e-28 * largest ? 1 / std::sqrt(value) : 0.0;
-  factor_ = std::make_unique<PivotedLdlt>(scale_.asDiagonal() * K * scale_.asDiagonal());
+  factor_ = std::make_unique<PivotedCholesky>(scale_.asDiagonal() * K * scale_.asDiagonal(), kDependent);
 }
 
 // K^+ g, small pivots left out: motions that others contain
 Eigen::MatrixXd DeflatedPreconditioner::solve(const Eigen::MatrixXd& g) const {
-  return scale_.asDiagonal() * factor_->solve(scale_.asDiagonal() * g, kDependent);
+  return scale_.asDiagonal() * factor_->solve(scale_.asDiagonal() * g);
 }
 
-// t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.  Many columns by rows, so that
-// an entry of a factor meets all of them at once.
-void DeflatedPreconditioner::project(const Columns& A, const Columns& C, MultiVector& t) const {
-  auto columns = columnsOf(t);
-  const auto subtract = [&](const auto& values) {
-    using Values = std::decay_t<decltype(values)>;
-    const Eigen::MatrixXd mine = C.transpose() * values;
-    const Values a = solve(sumOfAll(*getRangeMap()->getComm(), mine)), moved = A * a;
-    columns -= moved;
-  };
-  if (columns.cols() == 1) subtract(Eigen::VectorXd(columns.col(0)));
-  else subtract(RowMajor(columns));
+// t := t - A K^+ C^T t.  With A = H Z, C = C H Z this is H Pi H^-1, with the two exchanged its transpose.
+void DeflatedPreconditioner::project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const {
+  const auto g = sumOfAll(*getRangeMap()->getComm(), C.transposedTimes(columnsOf(t)));
+  A.subtractProduct(solve(g), columnsOf(t));
+}
+
+// With X = H B_D^T e of the rows e and T = (1 - H Z K^+ (C H Z)^T) X it is T^T C T: subdomain by subdomain, of which only those near a row have
+// an X.  X^T C T would do in exact numbers, and loses the digits of soft motions.
+Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) const {
+  const auto& comm = *getRangeMap()->getComm();
+  const int mine = int(rows.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
+  SubdomainColumns X(boundaryUnknowns()), CX(boundaryUnknowns());
+  shareSlender(X, CX);
+  for (int first = 0; first < all; first += kBlock) {
+    const int width = std::min(kBlock, all - first);
+    MultiVector x(getDomainMap(), std::size_t(width)), t(base_->jump().getDomainMap(), std::size_t(width));
+    for (int j = 0; j < width; ++j) {
+      const int own = first + j - before;
+      if (own >= 0 && own < mine && rows[std::size_t(own)] >= 0) x.getDataNonConst(std::size_t(j))[rows[std::size_t(own)]] = 1;
+    }
+    base_->spread(x, t);
+    makeHalves(t, X, CX);
+  }
+  const Eigen::MatrixXd a = solve(sumOfAll(comm, CHZ_.gram(X)));
+  Eigen::MatrixXd M = Eigen::MatrixXd::Zero(all, all);
+  for (std::size_t i = 0; i < motions_.size(); ++i) {
+    const Eigen::MatrixXd T = HZ_.rest(i, X, a);
+    if (isHalved(i)) addGram(T, M);
+    else M.noalias() += T.transpose() * CHZ_.rest(i, CX, a);
+  }
+  return sumOfAll(comm, Eigen::MatrixXd(M.selfadjointView<Eigen::Lower>()));
 }
 
 // z = B_D H^T (1 - C H Z K^+ (H Z)^T) C (1 - H Z K^+ (C H Z)^T) H B_D^T x

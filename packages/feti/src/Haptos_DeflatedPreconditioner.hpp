@@ -1,12 +1,13 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
-#include <Eigen/SparseCore>
 #include <array>
+#include <memory>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_SpectralModes.hpp"
+#include "Haptos_SubdomainColumns.hpp"
 
 namespace Haptos {
 
@@ -45,13 +46,17 @@ class DeflatedPreconditioner final : public Operator {
   /// Null where subdomains are slender on any rank: the difference would lose the digits of their soft motions.  Collective.
   RCP<const Operator> contactBlock() const;
 
+  /// \brief M_Z between rows of all ranks, as a Gram matrix, which keeps it semidefinite; far cheaper than by columns of M_Z.
+  ///
+  /// \param rows owned rows of this rank, -1: none, with a row and column of zeros.
+  /// \return [all rows given x all rows given], rank after rank, the same on all ranks.  Collective.
+  Eigen::MatrixXd between(const std::vector<int>& rows) const;
+
   const DualPreconditioner& base() const { return *base_; }
   int numCoarse() const { return int(scale_.size()); }  ///< columns of Z, over all ranks
   long applications() const { return applications_; }
 
  private:
-  using Columns = Eigen::SparseMatrix<double>;
-
   DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender);
   void findMotions(const std::vector<char>& slender);
   Eigen::MatrixXd rigidMotions(int subdomain) const;
@@ -70,17 +75,21 @@ class DeflatedPreconditioner final : public Operator {
   void assemble();
   Eigen::MatrixXd rowsOfBCZ(const std::vector<int>& rows) const;
   void factor(const Eigen::MatrixXd& K);
-  void project(const Columns& A, const Columns& C, MultiVector& t) const;
+  void project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const;
+  void makeHalves(MultiVector& t, SubdomainColumns& half, SubdomainColumns& rest) const;
+  std::vector<std::vector<Eigen::Index>> boundaryUnknowns() const;
+  void shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const;
+  bool isHalved(std::size_t subdomain) const;
   Eigen::MatrixXd solve(const Eigen::MatrixXd& g) const;
 
   RCP<const DualPreconditioner> base_;
   // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.
   std::vector<Eigen::MatrixXd> motions_;  // [local subdomains] on the boundary
   std::vector<Eigen::MatrixXd> L_;        // [classes] empty where subdomains are not slender
-  Columns HZ_, CHZ_;        // [local primal x coarse]
+  SubdomainColumns HZ_, CHZ_;             // [local primal x coarse]
   mutable long applications_ = 0;
   Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)
-  std::unique_ptr<const PivotedLdlt> factor_;  // of K scaled to unit diagonal
+  std::unique_ptr<const PivotedCholesky> factor_;  // of K scaled to unit diagonal
 };
 
 }  // namespace Haptos

@@ -4,6 +4,7 @@
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
 
+#include "Haptos_Reductions.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "HeldBeams.hpp"
 
@@ -84,6 +85,29 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
       TEST_ASSERT(std::abs(between(i, j) - Z(i, j)) <= 1e-10 * largest(Z));
     }
   TEST_ASSERT(compared > 0);
+}
+
+// Every third row that a rank has, and one that is not there.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BetweenRowsIsThatPartOfIt) {
+  for (double height : {1.0, 0.02}) {
+    const Setup t(height);
+    const auto& map = *t.feti.map();
+    std::vector<int> rows{-1};
+    for (int row = 0; row < int(localNumElements(map)); row += 3) rows.push_back(row);
+    const Dense between = t.deflated->between(rows), Z = denseOf(*t.deflated);
+    const auto& comm = *map.getComm();  // rank after rank
+    Eigen::VectorXd all = Eigen::VectorXd::Zero(sumOfAll(comm, int(rows.size())));
+    const int before = sumOfLower(comm, int(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) all[before + int(i)] = rows[i] < 0 ? -1.0 : double(map.getGlobalElement(rows[i]));
+    all = sumOfAll(comm, all);
+    TEST_EQUALITY(between.rows(), all.size());
+    for (Eigen::Index i = 0; i < all.size(); ++i)
+      for (Eigen::Index j = 0; j < all.size(); ++j) {
+        const double wanted = all[i] < 0 || all[j] < 0 ? 0.0 : Z(Eigen::Index(all[i]), Eigen::Index(all[j]));
+        TEST_ASSERT(std::abs(between(i, j) - wanted) <= 1e-10 * largest(Z));
+      }
+    TEST_COMPARE(smallestEigenvalue(between), >=, -1e-13 * largest(Z));
+  }
 }
 
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ManyColumnsAreWhatEachIsAlone) {

@@ -19,6 +19,14 @@ Eigen::MatrixXd contactJumps(const GluingBalance& balance) {
   return jumps;
 }
 
+// Rows of the contact values in their order, three a pair.
+std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
+  if (!deflated.between || !deflated.contactM.is_null()) return {};
+  std::vector<int> rows;
+  for (const PairLaw& pair : pairs) rows.insert(rows.end(), {pair.normal, pair.tangential[0], pair.tangential[1]});
+  return [between = deflated.between, rows] { return between(rows); };
+}
+
 SubspaceNewtonOptions::Condensed withReduction(SubspaceNewtonOptions::Condensed options, bool slender) {
   if (slender) options.reduction = options.reductionSlender;
   return options;
@@ -31,7 +39,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
-      matrix_({contactRowsOf(deflated, dual), diagonal, contactJumps(balance)}, balance.vectors(),
+      matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), contactJumps(balance)}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, withReduction(options, deflated.contactM.is_null())),
       pairStiffness_(without) {

@@ -68,7 +68,7 @@ bool solves(const Eigen::VectorXd& x, const Eigen::MatrixXd& A, const Eigen::Vec
 }  // namespace
 
 ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
-    : M_(std::move(parts.M)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), kind_(kind), options_(options) {
+    : M_(std::move(parts.M)), makeWhole_(std::move(parts.dense)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), kind_(kind), options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
   const Eigen::Index mine = 3 * vectors.numPairs();
@@ -80,7 +80,7 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
 }
 
 // Column j of M is M applied to unit force j, some columns at a time; every rank has its own rows of it, then all have all.
-void ContactMatrix::makeDense() const {
+Eigen::MatrixXd ContactMatrix::byColumns() const {
   constexpr Eigen::Index kAtATime = 32;
   const Eigen::Index mine = 3 * vectors_.numPairs();
   Eigen::MatrixXd rows(mine, size_);
@@ -90,7 +90,11 @@ void ContactMatrix::makeDense() const {
       if (j + k >= first_ && j + k < first_ + mine) units(j + k - first_, k) = 1;
     rows.middleCols(j, units.cols()) = vectors_.applyOnContactByColumns(*M_, units);
   }
-  dense_ = onAllRanks(rows);
+  return onAllRanks(rows);
+}
+
+void ContactMatrix::makeDense() const {
+  dense_ = makeWhole_ ? makeWhole_() : byColumns();
   // as M is, but for round-off and the single precision of its parts
   dense_ = (0.5 * (dense_ + dense_.transpose())).eval();
 }

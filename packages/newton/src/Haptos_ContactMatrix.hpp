@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,7 @@ class ContactMatrix {
   struct Parts {
     RCP<const Operator> M;     ///< between contact rows
     Eigen::VectorXd diagonal;  ///< [3 pairs] about M's, what is 0 counts as 1
+    std::function<Eigen::MatrixXd()> dense{};  ///< makes the matrix of all ranks' contact values, the same on all.  Collective.  Empty: by columns.
     Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
   };
   /// Collective.
@@ -48,12 +50,14 @@ class ContactMatrix {
 
  private:
   void makeDense() const;
+  Eigen::MatrixXd byColumns() const;
   bool mayStay(const ContactEquations::Solution& solution) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
   enum class Shape { General, Symmetric };
   std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
 
   RCP<const Operator> M_;
+  std::function<Eigen::MatrixXd()> makeWhole_;
   const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd kernel_;

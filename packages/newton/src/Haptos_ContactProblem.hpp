@@ -29,6 +29,9 @@ struct ContactOperators {
   struct Deflated {
     RCP<const Operator> M, contactM;
     double stiffness = 1;  ///< of pairs, in parts of what the diagonal of the other M says
+    /// M between owned rows (-1: none, zero) of all ranks, as one matrix on every rank [rows of all]^2, rank after rank; empty: made by
+    /// columns of M.  Collective.
+    std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};
   };
   /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
   std::function<Deflated()> makeDeflatedM;

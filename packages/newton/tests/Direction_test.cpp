@@ -235,7 +235,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   options.pathLinearTolerance = 1e-6;
   options.rowsOfStep = 0;  // by Krylov methods alone
   const auto errors = [&](const Eigen::MatrixXd& kernel) -> Eigen::Vector2d {
-    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(t.contactM().diagonal()), kernel},
+    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(t.contactM().diagonal()), {}, kernel},
                                t.vectors, ContactMatrix::Kind::Products, options);
     const Eigen::VectorXd symmetric = matrix.solveSymmetric(K, contactPart(b)), general = matrix.solve(one, K, contactPart(b), 1e-6);
     TEST_COMPARE(matrix.kernelPart(contactPart(P * expected)).norm(), <, 1e-10 * expected.norm());

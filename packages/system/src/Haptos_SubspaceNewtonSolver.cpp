@@ -90,7 +90,7 @@ struct SubspaceNewtonSolver::Impl {
   ContactOperators::Deflated makeDeflated() {
     deflated = context.system.makeDeflated();
     if (deflated.is_null()) return {};
-    return {deflated, deflated->contactBlock(), trueStiffness()};
+    return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
   }
 
   double estimateKkt(const Vector& l, const Vector& s) {

@@ -1,0 +1,115 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubdomainColumns.hpp"
+
+#include <Teuchos_Assert.hpp>
+#include <algorithm>
+#include <utility>
+
+namespace Haptos {
+namespace {
+
+constexpr double kNegligible = 1e-14;  // entries of a column, of its largest: round-off, which would make columns reach everything
+
+using Indices = std::vector<Eigen::Index>;
+
+// X(rows, :)
+template <class Matrix>
+Eigen::MatrixXd rowsOf(const Matrix& X, const Indices& rows) {
+  Eigen::MatrixXd part(Eigen::Index(rows.size()), X.cols());
+  for (Eigen::Index j = 0; j < part.cols(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i) part(Eigen::Index(i), j) = X(rows[i], j);
+  return part;
+}
+
+// X(rows, columns) := X(rows, columns) + factor part
+template <class Matrix>
+void addTo(Matrix& X, const Indices& rows, const Indices& columns, double factor, const Eigen::MatrixXd& part) {
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (std::size_t i = 0; i < rows.size(); ++i) X(rows[i], columns[j]) += factor * part(Eigen::Index(i), Eigen::Index(j));
+}
+
+Indices upTo(Eigen::Index n) {
+  Indices all;
+  for (Eigen::Index i = 0; i < n; ++i) all.push_back(i);
+  return all;
+}
+
+}  // namespace
+
+SubdomainColumns::SubdomainColumns(std::vector<std::vector<Eigen::Index>> unknowns) : unknowns_(std::move(unknowns)) {
+  for (std::size_t i = 0; i < unknowns_.size(); ++i) parts_.push_back(std::make_shared<Part>());
+  isShared_.resize(parts_.size(), 0);
+}
+
+void SubdomainColumns::append(const ConstValues& t) {
+  for (Eigen::Index j = 0; j < t.cols(); ++j, ++cols_) {
+    const double negligible = t.rows() == 0 ? 0.0 : kNegligible * t.col(j).cwiseAbs().maxCoeff();
+    for (std::size_t i = 0; i < parts_.size(); ++i)
+      if (!isShared_[i]) appendColumn(i, rowsOf(t.col(j), unknowns_[i]), negligible);
+  }
+}
+
+// The column that comes next, to the last block if that has its rows.
+void SubdomainColumns::appendColumn(std::size_t subdomain, const Eigen::VectorXd& x, double negligible) {
+  Indices rows;
+  for (Eigen::Index i = 0; i < x.size(); ++i)
+    if (std::abs(x[i]) > negligible) rows.push_back(i);
+  if (rows.empty()) return;
+  Part& part = *parts_[subdomain];
+  if (part.empty() || !std::includes(part.back().rows.begin(), part.back().rows.end(), rows.begin(), rows.end())) part.push_back({std::move(rows), {}, {}});
+  Block& block = part.back();
+  block.columns.push_back(cols_);
+  for (Eigen::Index row : block.rows) block.values.push_back(x[row]);
+}
+
+void SubdomainColumns::copyTo(Eigen::Index first, Values t) const {
+  t.setZero();
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    for (const Block& block : *parts_[i]) {
+      const auto begin = block.columns.begin();
+      for (auto c = std::lower_bound(begin, block.columns.end(), first); c != block.columns.end() && *c < first + t.cols(); ++c)
+        for (std::size_t k = 0; k < block.rows.size(); ++k)
+          t(unknowns_[i][std::size_t(block.rows[k])], *c - first) = block.matrix()(Eigen::Index(k), c - begin);
+    }
+}
+
+Eigen::MatrixXd SubdomainColumns::transposedTimes(const ConstValues& t) const {
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cols_, t.cols());
+  const Indices all = upTo(t.cols());
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const Eigen::MatrixXd x = rowsOf(t, unknowns_[i]);
+    for (const Block& block : *parts_[i]) addTo(result, block.columns, all, 1.0, block.matrix().transpose() * rowsOf(x, block.rows));
+  }
+  return result;
+}
+
+void SubdomainColumns::subtractProduct(const Eigen::MatrixXd& a, Values t) const {
+  const Indices all = upTo(t.cols());
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[i].size()), t.cols());
+    for (const Block& block : *parts_[i]) addTo(x, block.rows, all, 1.0, block.matrix() * rowsOf(a, block.columns));
+    addTo(t, unknowns_[i], all, -1.0, x);
+  }
+}
+
+Eigen::MatrixXd SubdomainColumns::gram(const SubdomainColumns& C) const {
+  TEUCHOS_ASSERT(C.parts_.size() == parts_.size());
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cols_, C.cols_);
+  for (std::size_t i = 0; i < parts_.size(); ++i)
+    for (const Block& right : *C.parts_[i]) {
+      Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[i].size()), Eigen::Index(right.columns.size()));
+      for (std::size_t k = 0; k < right.rows.size(); ++k) x.row(right.rows[k]) = right.matrix().row(Eigen::Index(k));
+      for (const Block& left : *parts_[i]) addTo(result, left.columns, right.columns, 1.0, left.matrix().transpose() * rowsOf(x, left.rows));
+    }
+  return result;
+}
+
+Eigen::MatrixXd SubdomainColumns::rest(std::size_t subdomain, const SubdomainColumns& X, const Eigen::MatrixXd& a) const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[subdomain].size()), X.cols_);
+  for (const Block& block : *X.parts_[subdomain]) addTo(x, block.rows, block.columns, 1.0, block.matrix());
+  const Indices all = upTo(a.cols());
+  for (const Block& block : *parts_[subdomain]) addTo(x, block.rows, all, -1.0, block.matrix() * rowsOf(a, block.columns));
+  return x;
+}
+
+}  // namespace Haptos

@@ -1,0 +1,77 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_SubdomainColumns.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+
+namespace {
+
+using namespace Haptos;
+using Dense = Eigen::MatrixXd;
+
+// Three subdomains of 5, 4 and 6 unknowns among 20; columns reach one or two of them, some of their unknowns or all.
+const std::vector<std::vector<Eigen::Index>> kUnknowns{{0, 1, 2, 4, 5}, {7, 8, 9, 10}, {13, 14, 15, 16, 18, 19}};
+
+Dense someColumns(int seed) {
+  std::srand(unsigned(seed));
+  Dense A = Dense::Zero(20, 9);
+  for (Eigen::Index j = 0; j < A.cols(); ++j)
+    for (std::size_t i = 0; i < kUnknowns.size(); ++i)
+      for (std::size_t k = 0; k < kUnknowns[i].size(); ++k)
+        if (i == std::size_t(j) / 3 || (i == (std::size_t(j) / 3 + 1) % 3 && (k + std::size_t(j / 3)) % 2 == 0)) A(kUnknowns[i][k], j) = Dense::Random(1, 1)(0, 0);
+  A(4, 1) = 0;      // fewer than its neighbours have
+  A(8, 5) = 1e-17;  // round-off
+  return A;
+}
+
+Dense withoutRoundOff(const Dense& A) { return (A.array().abs() < 1e-14).select(0.0, A); }
+
+struct Columns {
+  Dense A;
+  SubdomainColumns blocks{kUnknowns};
+  explicit Columns(int seed) : A(withoutRoundOff(someColumns(seed))) {
+    const Dense all = someColumns(seed);
+    blocks.append(all.leftCols(4));
+    blocks.append(all.rightCols(5));
+  }
+};
+
+double difference(const Dense& a, const Dense& b) { return a.size() == 0 ? 0.0 : (a - b).cwiseAbs().maxCoeff(); }
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(SubdomainColumns, ProductsAreThoseOfTheMatrix) {
+  const Columns t(3), u(4);
+  TEST_EQUALITY(t.blocks.cols(), 9);
+  Dense part(20, 4), x = Dense::Random(20, 3);
+  t.blocks.copyTo(3, part);
+  TEST_COMPARE(difference(part, t.A.middleCols(3, 4)), <=, 1e-16);
+  TEST_COMPARE(difference(t.blocks.transposedTimes(x), t.A.transpose() * x), <=, 1e-14);
+  TEST_COMPARE(difference(t.blocks.transposedTimes(x.leftCols(1)), t.A.transpose() * x.leftCols(1)), <=, 1e-14);
+  TEST_COMPARE(difference(t.blocks.gram(u.blocks), t.A.transpose() * u.A), <=, 1e-14);
+  const Dense a = Dense::Random(9, 3), wanted = x - t.A * a;
+  t.blocks.subtractProduct(a, x);
+  TEST_COMPARE(difference(x, wanted), <=, 1e-14);
+}
+
+TEUCHOS_UNIT_TEST(SubdomainColumns, RestIsThatOfEverySubdomain) {
+  const Columns t(3), u(4);
+  const Dense a = Dense::Random(9, 9), wanted = u.A - t.A * a;
+  for (std::size_t i = 0; i < kUnknowns.size(); ++i) {
+    const Dense rest = t.blocks.rest(i, u.blocks, a);
+    TEST_EQUALITY(rest.rows(), Eigen::Index(kUnknowns[i].size()));
+    for (std::size_t k = 0; k < kUnknowns[i].size(); ++k) TEST_COMPARE(difference(rest.row(Eigen::Index(k)), wanted.row(kUnknowns[i][k])), <=, 1e-14);
+  }
+}
+
+// What is shared is not appended twice.
+TEUCHOS_UNIT_TEST(SubdomainColumns, SharedSubdomainsAreTheOtherMatrix) {
+  SubdomainColumns half(kUnknowns), rest(kUnknowns);
+  rest.share(1, half);
+  const Dense A = withoutRoundOff(someColumns(3)), C = withoutRoundOff(someColumns(4));
+  half.append(A);
+  rest.append(C);
+  Dense wanted = C, all(20, 9);
+  for (Eigen::Index row : kUnknowns[1]) wanted.row(row) = A.row(row);
+  rest.copyTo(0, all);
+  TEST_COMPARE(difference(all, wanted), <=, 1e-16);
+}
