@@ -65,8 +65,8 @@ class PivotedCholesky {
 
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);  ///< A symmetric
 /// \brief By partial pivoting; NaN where A is singular.
-Eigen::VectorXd solveByLu(Eigen::MatrixXd A, Eigen::VectorXd b);
-Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b);  ///< NaN where A is not positive definite
+Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B);
+Eigen::MatrixXd solveByCholesky(Eigen::MatrixXd A, Eigen::MatrixXd B);  ///< NaN where A is not positive definite
 
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off

@@ -44,21 +44,21 @@ Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
 
 // LAPACK's, which runs at the speed of the machine's BLAS: Eigen's took four times as long from 300 rows on.
-Eigen::VectorXd solveByLu(Eigen::MatrixXd A, Eigen::VectorXd b) {
-  const int n = int(b.size());
+Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B) {
+  const int n = int(B.rows());
   std::vector<int> pivots(std::size_t(n) + 1);
   int info = 0;
-  Teuchos::LAPACK<int, double>().GESV(n, 1, A.data(), std::max(1, n), pivots.data(), b.data(), std::max(1, n), &info);
-  if (info > 0) b.setConstant(std::numeric_limits<double>::quiet_NaN());
-  return b;
+  Teuchos::LAPACK<int, double>().GESV(n, int(B.cols()), A.data(), std::max(1, n), pivots.data(), B.data(), std::max(1, n), &info);
+  if (info > 0) B.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return B;
 }
 
-Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b) {
-  const int n = int(b.size());
+Eigen::MatrixXd solveByCholesky(Eigen::MatrixXd A, Eigen::MatrixXd B) {
+  const int n = int(B.rows());
   int info = 0;
-  Teuchos::LAPACK<int, double>().POSV('L', n, 1, A.data(), std::max(1, n), b.data(), std::max(1, n), &info);
-  if (info > 0) b.setConstant(std::numeric_limits<double>::quiet_NaN());
-  return b;
+  Teuchos::LAPACK<int, double>().POSV('L', n, int(B.cols()), A.data(), std::max(1, n), B.data(), std::max(1, n), &info);
+  if (info > 0) B.setConstant(std::numeric_limits<double>::quiet_NaN());
+  return B;
 }
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {

@@ -6,6 +6,7 @@
 #include <Tpetra_Operator.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DenseDecompositions.hpp"
@@ -59,12 +60,6 @@ ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const Conta
   return inverse;
 }
 
-// Cholesky's method and LU are good for all but singular matrices.
-bool solves(const Eigen::VectorXd& x, const Eigen::MatrixXd& A, const Eigen::VectorXd& b) {
-  constexpr double kUseless = 1e-6;  // residual of a solution that is none
-  return x.allFinite() && (A * x - b).norm() <= kUseless * b.norm();
-}
-
 }  // namespace
 
 ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
@@ -93,10 +88,15 @@ Eigen::MatrixXd ContactMatrix::byColumns() const {
   return onAllRanks(rows);
 }
 
+// Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
 void ContactMatrix::makeDense() const {
   dense_ = makeWhole_ ? makeWhole_() : byColumns();
-  // as M is, but for round-off and the single precision of its parts
   dense_ = (0.5 * (dense_ + dense_.transpose())).eval();
+  wholeKernel_ = Eigen::MatrixXd(size_, 0);
+  if (kernel_.cols() == 0) return;
+  wholeKernel_ = onAllRanks(kernel_ * orthonormalizer(vectors_.comm(), kernel_));
+  const Eigen::MatrixXd &N = wholeKernel_, MN = dense_ * N;
+  dense_ += N * (N.transpose() * MN) * N.transpose() - N * MN.transpose() - MN * N.transpose();
 }
 
 // Every rank's rows, in the order of the ranks, by one sum of numbers that are 0 elsewhere.
@@ -109,7 +109,9 @@ Eigen::MatrixXd ContactMatrix::onAllRanks(const Eigen::MatrixXd& mine) const {
 
 Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   if (dense_.size() == 0) return vectors_.applyOnContact(*M_, x);
-  return dense_.middleRows(first_, x.size()) * onAllRanks(x);
+  Eigen::VectorXd all = onAllRanks(x);
+  all -= wholeKernel_ * (wholeKernel_.transpose() * all);  // bodies that went far would leave round-off of their way
+  return dense_.middleRows(first_, x.size()) * all;
 }
 
 // The kernel's images are B kernel; T makes them orthonormal.
@@ -227,7 +229,59 @@ Eigen::VectorXd restOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const 
   return b;
 }
 
+// (A X)(rest) and (B X)(rest) of values X on the rest
+Eigen::MatrixXd timesBlocks(const PairBlocks& pairs, const Rows& rest, const Eigen::MatrixXd& X, double (PairBlocks::*block)(Eigen::Index, Eigen::Index) const) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(pairs.values.rows(), X.cols()), Y(X.rows(), X.cols());
+  for (std::size_t i = 0; i < rest.size(); ++i) all.row(rest[i]) = X.row(Eigen::Index(i));
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    const Eigen::Index row = rest[i], at = row - row % 3;
+    Y.row(Eigen::Index(i)) = (pairs.*block)(row, 0) * all.row(at) + (pairs.*block)(row, 1) * all.row(at + 1) + (pairs.*block)(row, 2) * all.row(at + 2);
+  }
+  return Y;
+}
+
+// Motions of the kernel N that leave the other rows alone, on the rest: M(rest, rest) does not feel them.
+Eigen::MatrixXd kernelOn(const Rows& rest, const Eigen::MatrixXd& N) {
+  constexpr double kStays = 1e-10;  // of a motion of length 1
+  if (N.cols() == 0 || rest.empty()) return Eigen::MatrixXd(Eigen::Index(rest.size()), 0);
+  Eigen::MatrixXd others = N, inside(Eigen::Index(rest.size()), N.cols());
+  for (std::size_t i = 0; i < rest.size(); ++i) inside.row(Eigen::Index(i)) = N.row(rest[i]), others.row(rest[i]).setZero();
+  const SymmetricEigen eigen(others.transpose() * others);
+  Eigen::Index k = 0;
+  while (k < N.cols() && eigen.values[k] <= kStays * kStays) ++k;
+  return inside * eigen.vectors.leftCols(k);
+}
+
 }  // namespace
+
+// The rest of (A M + B) d = b, G = A (M + sigma N N^T) + B being regular where only B resists the kernel N:
+//
+//   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b,
+//
+// whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.
+struct ContactMatrix::RestSystem {
+  Eigen::MatrixXd matrix, kernel, images;  // A M + B, N, B N
+  Eigen::VectorXd rhs;
+
+  Eigen::VectorXd regularSolution(const Eigen::MatrixXd& G, Shape shape) const {
+    Eigen::MatrixXd all(rhs.size(), 1 + kernel.cols());
+    all << rhs, images;
+    const Eigen::MatrixXd x = shape == Shape::Symmetric ? solveByCholesky(G, all) : solveByLu(G, all);
+    if (kernel.cols() == 0 || !x.allFinite()) return x.col(0);
+    const Eigen::MatrixXd H = kernel.transpose() * x.rightCols(kernel.cols());
+    const Eigen::VectorXd scale = H.diagonal().cwiseAbs().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+    const Eigen::VectorXd a = scale.asDiagonal() * solveLeastSquares(scale.asDiagonal() * H * scale.asDiagonal(), scale.asDiagonal() * (kernel.transpose() * x.col(0)));
+    return x.col(0) + (kernel - x.rightCols(kernel.cols())) * a;
+  }
+
+  // Cholesky's method and LU are good for all but singular matrices.
+  bool isSolvedBy(const Eigen::VectorXd& x) const {
+    constexpr double kUseless = 1e-6;  // residual of a solution that is none
+    if (!x.allFinite()) return false;
+    const Eigen::VectorXd a = kernel.transpose() * x;
+    return (matrix * (x - kernel * a) + images * a - rhs).norm() <= kUseless * rhs.norm();
+  }
+};
 
 // The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no solution but what a Krylov
 // method comes to, or that of least norm where there is none.
@@ -237,13 +291,15 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, con
   const PairBlocks pairs{onAllRanks(mine)};
   Eigen::VectorXd d = Eigen::VectorXd::Zero(size_);
   const Rows rest = unsolvedRows(pairs, dense_, d);
-  const Eigen::MatrixXd matrix = blockOf(pairs, dense_, rest);
-  const Eigen::VectorXd rhs = restOf(pairs, dense_, rest, d);
-  Eigen::VectorXd x = shape == Shape::Symmetric ? solveByCholesky(matrix, rhs) : solveByLu(matrix, rhs);
-  if (shape == Shape::Symmetric && !solves(x, matrix, rhs)) x = solveByLu(matrix, rhs);
-  if (!solves(x, matrix, rhs)) {
+  const Eigen::MatrixXd N = kernelOn(rest, wholeKernel_);
+  const RestSystem system{blockOf(pairs, dense_, rest), N, timesBlocks(pairs, rest, N, &PairBlocks::B), restOf(pairs, dense_, rest, d)};
+  Eigen::MatrixXd G = system.matrix;
+  if (N.cols() > 0) G += dense_.diagonal().mean() * timesBlocks(pairs, rest, N, &PairBlocks::A) * N.transpose();
+  Eigen::VectorXd x = system.regularSolution(G, shape);
+  if (shape == Shape::Symmetric && !system.isSolvedBy(x)) x = system.regularSolution(G, Shape::General);
+  if (!system.isSolvedBy(x)) {
     if (kind_ == Kind::Products) return {};
-    x = solveLeastSquares(matrix, rhs);
+    x = solveLeastSquares(system.matrix, system.rhs);
   }
   for (std::size_t i = 0; i < rest.size(); ++i) d[rest[i]] = x[Eigen::Index(i)];
   return d.segment(first_, b.size());

@@ -54,6 +54,7 @@ class ContactMatrix {
   bool mayStay(const ContactEquations::Solution& solution) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
   enum class Shape { General, Symmetric };
+  struct RestSystem;
   std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
 
   RCP<const Operator> M_;
@@ -65,6 +66,7 @@ class ContactMatrix {
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
+  mutable Eigen::MatrixXd wholeKernel_;  // beside dense_: orthonormal, of all ranks
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };
 
