@@ -35,6 +35,13 @@ struct SymmetricEigen3 {
   explicit SymmetricEigen3(const Eigen::Matrix3d& A);
 };
 
+/// \brief Eigenvalues in ascending order of A v = theta B v, both symmetric, B positive definite; v^T B v = 1.
+struct SymmetricPencil {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  ///< columns
+  SymmetricPencil(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+};
+
 /// \brief Singular values in descending order and all right singular vectors.
 struct RightSvd {
   Eigen::VectorXd values;
@@ -70,6 +77,9 @@ Eigen::VectorXd solveByCholesky(Eigen::MatrixXd A, Eigen::VectorXd b);  ///< NaN
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);
+
+/// \brief x of least |A x - b|, A of full rank, by QR with column pivoting.
+Eigen::VectorXd solveByPivotedQr(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 /// \brief Orthonormal basis of the image of A, whose columns are independent; Householder.
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A);

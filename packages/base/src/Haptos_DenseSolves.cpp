@@ -61,6 +61,8 @@ Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorX
   return qr.compute(A).solve(b);
 }
 
+Eigen::VectorXd solveByPivotedQr(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.colPivHouseholderQr().solve(b); }
+
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(A).householderQ() * Eigen::MatrixXd::Identity(A.rows(), A.cols());
 }
