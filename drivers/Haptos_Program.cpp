@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_Program.hpp"
 
+#include <Teuchos_Comm.hpp>
 #include <mpi.h>
 
 #include <algorithm>

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "AssembledBodies.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <numeric>
 #include <stdexcept>
+
+#include "DenseAlgebra.hpp"
 
 namespace Haptos::Scenes {
 namespace {
@@ -129,12 +131,12 @@ void AssembledBodies::findRigidMotions(const Mesh& mesh) {
         else felt += m.row(d).transpose() * m.row(d);
       }
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(felt);
+    const Testing::SymmetricSpectrum spectrum(felt);
     int k = 0;
-    while (k < 6 && eigen.eigenvalues()[k] <= 1e-9) ++k;
+    while (k < 6 && spectrum.values[k] <= 1e-9) ++k;
     if (k == 0) continue;
-    const Eigen::MatrixXd mine = motions * eigen.eigenvectors().leftCols(k);
-    const Eigen::MatrixXd Q = Eigen::HouseholderQR<Eigen::MatrixXd>(mine).householderQ() * Eigen::MatrixXd::Identity(numFree(), k);
+    const Eigen::MatrixXd mine = motions * spectrum.vectors.leftCols(k);
+    const Eigen::MatrixXd Q = Testing::thinQ(mine);
     R_.conservativeResize(Eigen::NoChange, R_.cols() + k);
     R_.rightCols(k) = Q;
   }
@@ -144,8 +146,8 @@ void AssembledBodies::findRigidMotions(const Mesh& mesh) {
 void AssembledBodies::factor() {
   keep_.assign(numFree(), 1);
   if (R_.cols() > 0) {
-    const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(R_.transpose());
-    for (Eigen::Index i = 0; i < R_.cols(); ++i) keep_[qr.colsPermutation().indices()[i]] = 0;
+    const std::vector<int> pivots = Testing::pivotedColumns(R_.transpose());
+    for (Eigen::Index i = 0; i < R_.cols(); ++i) keep_[pivots[std::size_t(i)]] = 0;
   }
   std::vector<int> number(numFree(), -1);
   for (Eigen::Index i = 0; i < numFree(); ++i)

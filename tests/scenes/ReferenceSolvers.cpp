@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "ReferenceSolvers.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
+
+#include "DenseAlgebra.hpp"
 
 namespace Haptos::Scenes {
 namespace {
@@ -65,9 +67,9 @@ class NewtonSystem {
   ContactState step(const ContactState& x, const VectorXd& f) const {
     const Index n = contact_.s0.size(), k = contact_.e.size();
     const MatrixXd J = derivative(x);
-    VectorXd d = J.partialPivLu().solve(-f);
+    VectorXd d = Testing::luSolve(J, -f);
     if (!d.allFinite() || (J * d + f).norm() > 1e-6 * f.norm())  // free motions of open bodies: least norm
-      d = J.completeOrthogonalDecomposition().solve(-f);
+      d = Testing::leastNormSolve(J, -f);
     return {scale_ * d.head(n), d.tail(k)};
   }
 
@@ -94,7 +96,7 @@ ContactState tiedBodies(const CondensedContact& contact) {
   A.bottomLeftCorner(k, n) = contact.H.transpose();
   VectorXd b(n + k);
   b << contact.s0, contact.e * scale;
-  const VectorXd x = A.completeOrthogonalDecomposition().solve(b);
+  const VectorXd x = Testing::leastNormSolve(A, b);
   return {x.head(n) / scale, x.tail(k)};
 }
 
@@ -133,27 +135,26 @@ double sensitivity(const CondensedContact& contact, const std::vector<ReferenceL
   const NewtonSystem system(contact, laws, 1.0);
   MatrixXd dJump;
   const MatrixXd J = system.derivative(state, &dJump);
-  const MatrixXd change = J.completeOrthogonalDecomposition().solve(dJump).topRows(contact.s0.size());
-  return system.scale() * std::sqrt(Eigen::SelfAdjointEigenSolver<MatrixXd>(change.transpose() * change, Eigen::EigenvaluesOnly)
-                                        .eigenvalues().tail<1>()[0]);
+  const MatrixXd change = Testing::leastNormSolve(J, dJump).topRows(contact.s0.size());
+  return system.scale() * std::sqrt(Testing::symmetricEigenvalues(change.transpose() * change).tail<1>()[0]);
 }
 
 double solveTrescaByAdmm(const CondensedContact& contact, const std::vector<ReferenceLaw>& laws, double tolerance,
                          int maximumSweeps, ContactState& state) {
   const Index n = contact.s0.size(), k = contact.e.size();
-  const VectorXd spectrum = Eigen::SelfAdjointEigenSolver<MatrixXd>(contact.C, Eigen::EigenvaluesOnly).eigenvalues();
+  const VectorXd spectrum = Testing::symmetricEigenvalues(contact.C);
   const double largest = spectrum[n - 1], rho = std::sqrt(largest * std::max(spectrum[0], 1e-4 * largest));
   const double scale = 1 / std::max(largest, 1e-300);  // lambda = scale x
   MatrixXd A = MatrixXd::Zero(n + k, n + k);
   A.topLeftCorner(n, n) = (contact.C + rho * MatrixXd::Identity(n, n)) * scale;
   A.topRightCorner(n, k) = -contact.H;
   A.bottomLeftCorner(k, n) = contact.H.transpose();
-  const Eigen::PartialPivLU<MatrixXd> lu(A);
+  const Testing::Solve solve = Testing::luFactor(A);
   VectorXd z = state.lambda, dual = VectorXd::Zero(n), b(n + k);
   double change = 1;
   for (int sweep = 0; sweep < maximumSweeps && change > tolerance; ++sweep) {
     b << contact.s0 + rho * (z - dual), contact.e / scale;
-    const VectorXd x = lu.solve(b);
+    const VectorXd x = solve(b);
     const VectorXd relaxed = 1.6 * scale * x.head(n) - 0.6 * z;
     const VectorXd before = z;
     for (Index i = 0; i < contact.numPairs(); ++i)

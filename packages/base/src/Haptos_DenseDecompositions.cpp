@@ -6,6 +6,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -49,10 +50,9 @@ bool decomposeByHalves(Eigen::MatrixXd A, SymmetricEigen& result) {
 // Eigenvalues ascend.  Eigen's iteration, which is bounded, was seen to end before the last eigenvalue of a spectrum from 1e-5 to 540: without
 // order, and no message.
 template <class Result, class Matrix>
-void decompose(const Matrix& A, Result& result) {
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(A);
+void take(const Eigen::SelfAdjointEigenSolver<Matrix>& eigen, const Matrix& A, double scale, Result& result) {
   if (eigen.info() != Eigen::Success) return decomposeByLapack(A, result);
-  result.values = eigen.eigenvalues();
+  result.values = eigen.eigenvalues() * scale;
   result.vectors = eigen.eigenvectors();
 }
 
@@ -61,10 +61,23 @@ void decompose(const Matrix& A, Result& result) {
 // Eigen's rotations of vectors are bound by memory: five times the time of LAPACK's from some hundred rows on.
 SymmetricEigen::SymmetricEigen(const Eigen::MatrixXd& A) {
   constexpr Eigen::Index kLarge = 100;
-  if (A.rows() < kLarge || !decomposeByHalves(A, *this)) decompose(A, *this);
+  if (A.rows() < kLarge || !decomposeByHalves(A, *this)) take(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(A), A, 1.0, *this);
 }
-SymmetricEigen2::SymmetricEigen2(const Eigen::Matrix2d& A) { decompose(A, *this); }
-SymmetricEigen3::SymmetricEigen3(const Eigen::Matrix3d& A) { decompose(A, *this); }
+SymmetricEigen3::SymmetricEigen3(const Eigen::Matrix3d& A) { take(Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A), A, 1.0, *this); }
+
+// Two rows are tridiagonal as they come.  Eigen does not know, and compiles reflections of 2 x 2 for four seconds; its digits are these.
+SymmetricEigen2::SymmetricEigen2(const Eigen::Matrix2d& A) {
+  const double largest = std::max({std::abs(A(0, 0)), std::abs(A(1, 0)), std::abs(A(1, 1))}), scale = largest == 0 ? 1.0 : largest;
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> eigen;
+  eigen.computeFromTridiagonal(A.diagonal() / scale, Eigen::Matrix<double, 1, 1>(A(1, 0) / scale));
+  take(eigen, A, scale, *this);
+}
+
+SymmetricPencil::SymmetricPencil(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B) {
+  const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A, B);
+  values = eigen.eigenvalues();
+  vectors = eigen.eigenvectors();
+}
 
 LargestEigen::LargestEigen(Eigen::MatrixXd A, Eigen::MatrixXd B, double least) {
   const int n = int(A.rows()), type = 1, one = 1, lwork = 40 * std::max(1, n);  // blocks of 32

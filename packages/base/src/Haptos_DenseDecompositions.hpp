@@ -34,6 +34,13 @@ struct SymmetricEigen3 {
   explicit SymmetricEigen3(const Eigen::Matrix3d& A);
 };
 
+/// \brief Eigenvalues in ascending order of A v = theta B v, both symmetric, B positive definite; v^T B v = 1.
+struct SymmetricPencil {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  ///< columns
+  SymmetricPencil(const Eigen::MatrixXd& A, const Eigen::MatrixXd& B);
+};
+
 /// \brief Singular values in descending order and all right singular vectors.
 struct RightSvd {
   Eigen::VectorXd values;
@@ -74,6 +81,9 @@ Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorX
 
 /// \brief Adds T^T T to the lower triangle of A; what is above the diagonal is not defined.
 void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A);
+
+/// \brief x of least |A x - b|, A of full rank, by QR with column pivoting.
+Eigen::VectorXd solveByPivotedQr(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 
 /// \brief Orthonormal basis of the image of A, whose columns are independent; Householder.
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A);

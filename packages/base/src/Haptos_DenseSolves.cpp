@@ -73,6 +73,8 @@ void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A) {
   Teuchos::BLAS<int, double>().SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, n, m, 1.0, T.data(), std::max(1, m), 1.0, A.data(), std::max(1, n));
 }
 
+Eigen::VectorXd solveByPivotedQr(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.colPivHouseholderQr().solve(b); }
+
 Eigen::MatrixXd orthonormalBasis(const Eigen::MatrixXd& A) {
   return Eigen::HouseholderQR<Eigen::MatrixXd>(A).householderQ() * Eigen::MatrixXd::Identity(A.rows(), A.cols());
 }

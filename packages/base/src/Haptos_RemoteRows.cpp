@@ -2,6 +2,7 @@
 #include "Haptos_RemoteRows.hpp"
 
 #include <Teuchos_Assert.hpp>
+#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
-#include <Tpetra_Import.hpp>
 #include <vector>
 
 #include "Haptos_Types_fwd.hpp"

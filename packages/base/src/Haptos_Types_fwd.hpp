@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Teuchos_RCPDecl.hpp>
 #include <Tpetra_CrsMatrix_fwd.hpp>
 #include <Tpetra_Export_fwd.hpp>
 #include <Tpetra_Import_fwd.hpp>
@@ -8,8 +7,9 @@
 #include <Tpetra_MultiVector_fwd.hpp>
 #include <Tpetra_Operator_fwd.hpp>
 #include <Tpetra_Vector_fwd.hpp>
+#include <type_traits>
 
-#include "Haptos_Communication.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Teuchos {
 class ParameterList;
@@ -17,7 +17,6 @@ class ParameterList;
 
 namespace Haptos {
 
-using Teuchos::RCP;
 using Map = Tpetra::Map<>;
 
 /// \brief Ordinals of a map that is declared and not defined: Map::local_ordinal_type would want Tpetra_Map.hpp here, a second a unit.
@@ -29,8 +28,9 @@ struct OrdinalsOf<Tpetra::Map<Local, Global, Node>> {
   using GlobalOrdinal = Global;
 };
 
-using LocalOrdinal = OrdinalsOf<Map>::LocalOrdinal;
-using GlobalOrdinal = OrdinalsOf<Map>::GlobalOrdinal;
+static_assert(std::is_same_v<LocalOrdinal, OrdinalsOf<Map>::LocalOrdinal> && std::is_same_v<GlobalOrdinal, OrdinalsOf<Map>::GlobalOrdinal>,
+              "Haptos_PlainTypes.hpp takes other ordinals than Tpetra's maps");
+
 using MultiVector = Tpetra::MultiVector<double>;
 using Vector = Tpetra::Vector<double>;
 using Operator = Tpetra::Operator<double>;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "Haptos_CoarseBlocks.hpp"
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Haptos {
 

@@ -4,9 +4,8 @@
 #include <memory>
 #include <vector>
 
-#include "Haptos_Communication.hpp"
 #include "Haptos_Options.hpp"
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Haptos {
 

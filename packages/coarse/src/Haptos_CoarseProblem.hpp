@@ -7,8 +7,8 @@
 
 #include "Haptos_CoarseBlocks.hpp"
 #include "Haptos_CoarsePlacement.hpp"
+#include "Haptos_Communication.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -160,12 +160,12 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SharedFactorIsRightAndSpread) {
   const Dense b = someColumns(l, 2), F = denseGram(lattice.fixed, ones), E = denseGram(lattice.changing, ones);
   const auto placement = std::make_shared<CoarsePlacement>(comm, l, CoarseOptions{0, 0});
   CoarseProblem A(placement, {lattice.fixed, ones}, {lattice.changing, ones}, {}, CoarseProblem::Factor::Now);
-  const Dense wanted = (F + E).llt().solve(b);
+  const Dense wanted = choleskySolve(F + E, b);
   TEST_ASSERT(isSmall(A.solve(b) - wanted, wanted));
   A.renew({3.0 * lattice.changing, ones});
-  const Dense renewed = (F + 9 * E).llt().solve(b);
+  const Dense renewed = choleskySolve(F + 9 * E, b);
   TEST_ASSERT(isSmall(A.solve(b) - renewed, renewed));
-  const Dense alone = F.llt().solve(b);
+  const Dense alone = choleskySolve(F, b);
   TEST_ASSERT(isSmall(CoarseProblem(A, {}).solve(b) - alone, alone));
   if (!placement->isShared()) return;
   const CoarseCosts& costs = placement->costs();
@@ -197,7 +197,7 @@ TEUCHOS_UNIT_TEST(CoarseProblem, RenewalsSolveLikeDenseMatrices) {
         for (double factor : {1.0, 20.0, 0.0, 0.1}) {
           const CoarseRows changing = factor == 0 ? CoarseRows(chain.fixed.rows(), l) : CoarseRows(factor * chain.changing);
           A.renew({changing, chain.q});
-          const Dense wanted = (F + H + factor * factor * first).llt().solve(b);
+          const Dense wanted = choleskySolve(F + H + factor * factor * first, b);
           TEST_ASSERT(isSmall(A.solve(b) - wanted, wanted));
           TEST_ASSERT(isSmall(A.solveSum(partOf(b, *chain.comm)) - wanted, wanted));
         }
@@ -224,7 +224,7 @@ TEUCHOS_UNIT_TEST(CoarseProblem, FixedPartAlone) {
                                                          CoarseProblem::Weighted{chain.changing, chain.q}, held,
                                                          CoarseProblem::Factor::Now);
           const CoarseProblem fixed(*problem, heldAlone);
-          const Dense x = whole.llt().solve(b), xAlone = alone.llt().solve(b);
+          const Dense x = choleskySolve(whole, b), xAlone = choleskySolve(alone, b);
           TEST_ASSERT(isSmall(problem->solve(b) - x, x));
           TEST_ASSERT(isSmall(fixed.solve(b) - xAlone, xAlone));
           problem.reset();

@@ -12,7 +12,8 @@ using namespace Haptos::Testing;
 TEUCHOS_UNIT_TEST(CoarseProblem, RoughRenewalsHaveSomeDigits) {
   for (int touched : {10, Chain::kSubdomains}) {
     const Chain chain(touched);
-    const Dense b = someColumns(chain.fixed.cols(), 2), wanted = (denseGram(chain.fixed, chain.q) + denseGram(chain.changing, chain.q)).llt().solve(b);
+    const Dense b = someColumns(chain.fixed.cols(), 2);
+    const Dense wanted = choleskySolve(denseGram(chain.fixed, chain.q) + denseGram(chain.changing, chain.q), b);
     for (const Case& c : allCases(chain.comm->getSize())) {
       CoarseProblem A(chain.place(c.options), {chain.fixed, chain.q}, {chain.changing, chain.q}, {}, CoarseProblem::Factor::WithRoughRenewal);
       A.renew({chain.changing, chain.q});
@@ -34,7 +35,7 @@ TEUCHOS_UNIT_TEST(SingleCholesky, SolvesOrSaysThatItDoesNot) {
   SingleCholesky factor;
   TEST_ASSERT(factor.factor(A));  // entries from 1e-200 to 1e200
   factor.solve(x);
-  const Dense wanted = well.llt().solve(B), error = Dense(units.asDiagonal() * x) - wanted;
+  const Dense wanted = choleskySolve(well, B), error = Dense(units.asDiagonal() * x) - wanted;
   TEST_ASSERT(isSmall(error, wanted, 1e-4));
   TEST_ASSERT(largest(error) > 1e-10 * largest(wanted));
   A = Dense::Ones(60, 60) + 3e-6 * Dense::Identity(60, 60);  // definite in single precision, too, but of no use
@@ -63,7 +64,7 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SeriesSolvesForWhatIsLeft) {
         for (int k = 0; k < 3; ++k) {
           Eigen::VectorXd changes = Eigen::VectorXd::Zero(l);
           changes.head(c) = someColumns(c, 3).col(k);
-          const Eigen::VectorXd wanted = A.llt().solve(stays + changes - held * total);
+          const Eigen::VectorXd wanted = choleskySolve(A, stays + changes - held * total);
           total += wanted;
           const Eigen::VectorXd found = series.next(partOf(changes, *chain.comm));
           TEST_ASSERT(isSmall((found - wanted).head(c), wanted));
@@ -71,7 +72,7 @@ TEUCHOS_UNIT_TEST(CoarseProblem, SeriesSolvesForWhatIsLeft) {
         const CoarseProblem fixedAlone(problem, holds);
         Eigen::VectorXd changes = Eigen::VectorXd::Zero(l);
         changes.head(c) = someColumns(c, 4).col(3);
-        const Eigen::VectorXd wanted = alone.llt().solve(stays + changes);
+        const Eigen::VectorXd wanted = choleskySolve(alone, stays + changes);
         TEST_ASSERT(isSmall(series.last(fixedAlone, partOf(changes, *chain.comm)) - wanted, wanted));
         TEST_EQUALITY(problem.solves(), 3L);
         TEST_EQUALITY(fixedAlone.solves(), 1L);

@@ -3,9 +3,10 @@
 #pragma once
 #include <Tpetra_Core.hpp>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 
 #include "../../feti/tests/FetiScene.hpp"
+#include "DenseAlgebra.hpp"
 #include "Haptos_CoarseProblem.hpp"
 
 namespace Haptos::Testing {

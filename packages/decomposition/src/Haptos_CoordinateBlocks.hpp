@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_Communication.hpp"
 
 namespace Haptos {
 

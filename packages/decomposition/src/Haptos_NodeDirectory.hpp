@@ -5,9 +5,9 @@
 #include <optional>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_ConstraintRows.hpp"
 #include "Haptos_Rendezvous.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

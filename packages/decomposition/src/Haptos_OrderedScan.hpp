@@ -2,7 +2,7 @@
 #pragma once
 #include <vector>
 
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Haptos {
 

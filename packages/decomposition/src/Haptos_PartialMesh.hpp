@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_MeshShare.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

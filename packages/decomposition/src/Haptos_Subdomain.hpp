@@ -4,10 +4,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_ElementGroup.hpp"
-#include "Haptos_Mesh.hpp"
-#include "Haptos_Types_fwd.hpp"
 #include "Haptos_EvenRanges.hpp"
+#include "Haptos_Mesh.hpp"
 
 namespace Haptos {
 

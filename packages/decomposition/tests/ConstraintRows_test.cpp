@@ -5,6 +5,7 @@
 #include <set>
 
 #include "DecomposedScene.hpp"
+#include "DenseAlgebra.hpp"
 
 namespace {
 
@@ -53,7 +54,7 @@ double smallestSingularValue(const Scene& scene) {
       kept.conservativeResize(kept.rows() + 1, Eigen::NoChange);
       kept.bottomRows(1) = B.row(row);
     }
-  return Eigen::JacobiSVD<Dense>(kept).singularValues().tail<1>()[0];
+  return singularValues(kept).tail<1>()[0];
 }
 
 }  // namespace

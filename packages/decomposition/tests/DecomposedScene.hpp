@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Small decomposed scenes; every rank builds the whole, so dense references need no communication.
 #pragma once
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_DefaultSerialComm.hpp>

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-#include <Eigen/Eigenvalues>
+#include <Eigen/Core>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <limits>
 
+#include "DenseAlgebra.hpp"
 #include "ElasticityFixtures.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_RigidBodyModes.hpp"
@@ -63,7 +64,7 @@ Matrix24 brickStiffness(std::array<double, 3> h, const ElasticModuli& m, Formula
 template <class Matrix>
 void checkSixZeroEigenvalues(const Matrix& k, double smallestStrain, Teuchos::FancyOStream& out,
                              bool& success) {
-  const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(k).eigenvalues();
+  const Eigen::VectorXd values = Testing::symmetricEigenvalues(k);
   const double largest = values(values.size() - 1);
   TEST_ASSERT(values.head(6).cwiseAbs().maxCoeff() < 1e-14 * largest * double(values.size()));
   TEST_ASSERT(values(6) > smallestStrain * largest);
@@ -147,7 +148,7 @@ TEUCHOS_UNIT_TEST(ElementStiffness, BBarSoftensDistortedHexNearIncompressibility
   const Matrix24 standard = hexStiffness(solid, moduli, Formulation::Standard);
   const Matrix24 bbar = hexStiffness(solid, moduli, Formulation::BBar);
   const auto count = [&](const Matrix24& k) {  // motions that resist like the bulk modulus
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Matrix24>(k).eigenvalues();
+    const Eigen::VectorXd values = Testing::symmetricEigenvalues(k);
     return (values.array() > 5.0 * moduli.shear).count();
   };
   TEST_EQUALITY(count(bbar), 1);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_TouchedUnknowns.hpp"
 
+#include <Tpetra_Map.hpp>
 #include <algorithm>
 #include <cstdint>
 #include <map>

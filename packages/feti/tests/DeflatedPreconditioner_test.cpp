@@ -35,9 +35,9 @@ struct Setup : HeldBeams {
   std::array<double, 2> spectrum(const Dense& A) const {
     const Dense GT = denseGT(), F = denseOf(*feti.F);
     const Dense P = Dense::Identity(F.rows(), F.rows()) - GT * densePseudoInverse(GT.transpose() * GT) * GT.transpose();
-    const Eigen::SelfAdjointEigenSolver<Dense> eigen(P * F * P);
-    const Dense root = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * eigen.eigenvectors().transpose();
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Dense>(root * A * root).eigenvalues();
+    const SymmetricSpectrum spectrum(P * F * P);
+    const Dense root = spectrum.vectors * spectrum.values.cwiseMax(0.0).cwiseSqrt().asDiagonal() * spectrum.vectors.transpose();
+    const Eigen::VectorXd values = symmetricEigenvalues(root * A * root);
     double smallest = values.tail<1>()[0];
     for (double value : values)
       if (value > 1e-6) smallest = std::min(smallest, value);

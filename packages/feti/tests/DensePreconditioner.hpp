@@ -46,7 +46,7 @@ inline Dense denseS(const std::vector<int>& boundary, const Dense& K, Preconditi
   }
   for (Eigen::Index j = 0; j < ni; ++j)
     for (Eigen::Index i = 0; i < ni; ++i) Kii(i, j) = K(interior[i], interior[j]);
-  if (kind == PreconditionerKind::Dirichlet && ni > 0) Kbb -= Kib.transpose() * Kii.ldlt().solve(Kib);
+  if (kind == PreconditionerKind::Dirichlet && ni > 0) Kbb -= Kib.transpose() * ldltSolve(Kii, Kib);
   Dense S = Dense::Zero(K.rows(), K.rows());
   for (Eigen::Index j = 0; j < nb; ++j)
     for (Eigen::Index i = 0; i < nb; ++i) S(boundary[i], boundary[j]) = Kbb(i, j);

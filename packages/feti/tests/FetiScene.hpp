@@ -2,6 +2,7 @@
 // The operators of a small decomposed scene, and the same as dense matrices made by other means.
 #pragma once
 #include "../../decomposition/tests/DecomposedScene.hpp"
+#include "DenseAlgebra.hpp"
 #include "Haptos_BodyMotions.hpp"
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_DualOperator.hpp"
@@ -69,11 +70,11 @@ inline std::vector<Dense> denseStiffness(const Scene& scene) {
 
 /// Pseudo-inverse by the spectrum, for symmetric positive semidefinite matrices.
 inline Dense densePseudoInverse(const Dense& A, double relative = 1e-10) {
-  const Eigen::SelfAdjointEigenSolver<Dense> eigen(A);
-  const double cut = relative * std::max(1e-300, eigen.eigenvalues().cwiseAbs().maxCoeff());
-  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const SymmetricSpectrum spectrum(A);
+  const double cut = relative * std::max(1e-300, spectrum.values.cwiseAbs().maxCoeff());
+  Eigen::VectorXd inverse = spectrum.values;
   for (auto& value : inverse) value = value > cut ? 1.0 / value : 0.0;
-  return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  return spectrum.vectors * inverse.asDiagonal() * spectrum.vectors.transpose();
 }
 
 /// F = B K^+ B^T.
@@ -90,7 +91,7 @@ inline Dense denseF(const Scene& scene) {
 }
 
 inline double smallestEigenvalue(const Dense& A) {
-  return Eigen::SelfAdjointEigenSolver<Dense>(0.5 * (A + A.transpose())).eigenvalues()[0];
+  return symmetricEigenvalues(0.5 * (A + A.transpose()))[0];
 }
 
 /// Both bodies held at x = 0, contact between, six subdomains or so.

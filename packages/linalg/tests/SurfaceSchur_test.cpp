@@ -21,11 +21,11 @@ Dense denseSchur(const Sparse& K, const std::vector<int>& boundary) {
   for (Eigen::Index i = 0; i < K.rows(); ++i)
     for (Eigen::Index j = 0; j < K.rows(); ++j) sorted(i, j) = K.coeff(order[i], order[j]);
   const Eigen::Index nb = Eigen::Index(boundary.size()), ni = K.rows() - nb;
-  const Eigen::SelfAdjointEigenSolver<Dense> eigen(sorted.bottomRightCorner(ni, ni));
-  Eigen::VectorXd inverse = eigen.eigenvalues();
+  const SymmetricSpectrum spectrum(sorted.bottomRightCorner(ni, ni));
+  Eigen::VectorXd inverse = spectrum.values;
   const double zero = 1e-11 * inverse.maxCoeff();
   for (double& v : inverse) v = v > zero ? 1.0 / v : 0.0;
-  const Dense pinv = eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
+  const Dense pinv = spectrum.vectors * inverse.asDiagonal() * spectrum.vectors.transpose();
   return sorted.topLeftCorner(nb, nb) - sorted.topRightCorner(nb, ni) * pinv * sorted.bottomLeftCorner(ni, nb);
 }
 

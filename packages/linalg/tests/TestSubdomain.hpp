@@ -4,7 +4,7 @@
 #pragma once
 #include <metis.h>
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <array>
@@ -14,6 +14,8 @@
 #include <numeric>
 #include <set>
 #include <vector>
+
+#include "DenseAlgebra.hpp"
 
 namespace Haptos::Testing {
 
@@ -154,13 +156,11 @@ inline Dense rigidKernel(const std::vector<std::array<double, 3>>& x, const std:
         conditions.block(conditions.rows() - 3, 6 * *piecesOf[node].begin(), 3, 6) = modes(int(node));
         conditions.block(conditions.rows() - 3, 6 * p, 3, 6) -= modes(int(node));
       }
-  Eigen::FullPivLU<Dense> lu(conditions);
-  lu.setThreshold(1e-10);
-  const Dense motions = conditions.isZero(0) ? Dense::Identity(6 * pieces, 6 * pieces) : Dense(lu.kernel());
+  const Dense motions = conditions.isZero(0) ? Dense::Identity(6 * pieces, 6 * pieces) : nullSpace(conditions, 1e-10);
   Dense R(3 * x.size(), motions.cols());
   for (std::size_t node = 0; node < x.size(); ++node)
     R.middleRows(3 * node, 3) = modes(int(node)) * motions.middleRows(6 * *piecesOf[node].begin(), 6);
-  return Eigen::HouseholderQR<Dense>(R).householderQ() * Dense::Identity(R.rows(), R.cols());
+  return thinQ(R);
 }
 
 /// The listed elements as one subdomain; `E` gives Young's modulus of an element of the mesh.

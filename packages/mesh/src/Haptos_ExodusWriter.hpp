@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "Haptos_MeshShare.hpp"
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Haptos {
 

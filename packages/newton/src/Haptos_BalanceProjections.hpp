@@ -2,7 +2,7 @@
 #pragma once
 #include <memory>
 
-#include "Haptos_ContactProblem.hpp"
+#include "Haptos_ContactOperators.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
 

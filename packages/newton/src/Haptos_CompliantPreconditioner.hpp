@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include "Haptos_ContactProblem.hpp"
+#include "Haptos_ContactOperators.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_LawLinearization.hpp"
 

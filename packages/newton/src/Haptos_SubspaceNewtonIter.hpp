@@ -2,6 +2,7 @@
 #pragma once
 #include <functional>
 
+#include "Haptos_CountedOperator.hpp"
 #include "Haptos_DirectionChoice.hpp"
 #include "Haptos_RecycledSubspace.hpp"
 #include "Haptos_SubspaceDescent.hpp"

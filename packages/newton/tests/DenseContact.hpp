@@ -33,7 +33,7 @@ inline DenseContact makeContact(int groups, int gluing, bool floating, unsigned 
   const Eigen::Index n = d.F.rows(), contact = 3 * groups;
   // a preconditioner as good as the Dirichlet one: F^-1 of a matrix that is off by some 20 %
   const DenseMatrix E = 0.2 * random(n, n) / std::sqrt(double(n)), I = DenseMatrix::Identity(n, n);
-  d.M = (I + E) * d.F.inverse() * (I + E).transpose();
+  d.M = (I + E) * Testing::inverse(d.F) * (I + E).transpose();
   d.GT = DenseMatrix::Zero(n, floating ? 12 : 6);
   d.GT.bottomLeftCorner(gluing, 6) = random(gluing, 6);
   d.GT.topLeftCorner(contact, 6) = 0.1 * random(contact, 6);

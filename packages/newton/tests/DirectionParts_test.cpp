@@ -14,7 +14,7 @@ using namespace HaptosTest;
 constexpr int kGroups = 8, kGluing = 20;
 
 DenseVector leastChange(const DenseMatrix& GT, const DenseVector& missing) {
-  return GT * (GT.transpose() * GT).completeOrthogonalDecomposition().solve(missing);
+  return GT * Testing::leastNormSolve(GT.transpose() * GT, missing);
 }
 
 TEUCHOS_UNIT_TEST(GluingBalance, ChangesGluingRowsByTheLeast) {
@@ -35,7 +35,7 @@ TEUCHOS_UNIT_TEST(GluingBalance, RigidPartsLeaveNoGluingJump) {
     t.balance.removeRigidPart(freed);
     const DenseVector after = t.global(freed), change = after - s;
     TEST_COMPARE((t.gluingGT.transpose() * after).norm(), <, 1e-10 * s.norm());
-    const DenseVector a = t.GT.colPivHouseholderQr().solve(change);
+    const DenseVector a = Testing::qrSolve(t.GT, change);
     TEST_COMPARE((t.GT * a - change).norm(), <, 1e-10 * change.norm());  // a rigid motion of something
     if (floating) TEST_COMPARE((t.setup.d.Z.transpose() * a).norm(), <, 1e-9 * a.norm());  // but not of what contact alone holds
     TEST_COMPARE(change.norm(), >, 1e-2 * s.norm());
@@ -76,8 +76,8 @@ TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
   t.vectors.sum(HH);
   const DenseMatrix contactGT = t.GT.topRows(3 * kGroups) * t.setup.d.Z;
   // the same span: eigenvalues do not depend on the basis as long as it is orthonormal
-  const Eigen::SelfAdjointEigenSolver<DenseMatrix> ours(HH), dense(DenseMatrix(contactGT.transpose() * contactGT));
-  TEST_COMPARE((ours.eigenvalues() - dense.eigenvalues()).norm(), <, 1e-10 * dense.eigenvalues().norm());
+  const DenseVector ours = Testing::symmetricEigenvalues(HH), dense = Testing::symmetricEigenvalues(contactGT.transpose() * contactGT);
+  TEST_COMPARE((ours - dense).norm(), <, 1e-10 * dense.norm());
 }
 
 // With all pairs open the projection knows gluing rows alone; with all stuck every row.
@@ -99,7 +99,7 @@ TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
     const DenseVector after = t.global(mine);
     const DenseMatrix& active = stuck ? t.GT : t.gluingGT;
     TEST_COMPARE((active.transpose() * diagonal.cwiseProduct(after)).norm(), <, 1e-5 * residual.norm());  // single precision
-    const DenseVector change = after - residual, a = active.colPivHouseholderQr().solve(change);
+    const DenseVector change = after - residual, a = Testing::qrSolve(active, change);
     TEST_COMPARE((active * a - change).norm(), <, 1e-9 * residual.norm());
     TEST_COMPARE(change.norm(), >, 1e-2 * residual.norm());
   }
@@ -225,7 +225,7 @@ TEUCHOS_UNIT_TEST(SmallSystem, IsTheLinearisedLawOfAllRanks) {
     t.subspace.addCombination(Eigen::VectorXd::Unit(kPairs, j), v, s);
     M.col(j) = t.residual(s, t.law.multiply(t.parts.vectors.contact(v), t.parts.vectors.contact(s)));
   }
-  const DenseVector b = -t.residual(t.state.s, t.law.phi), wanted = M.completeOrthogonalDecomposition().solve(b);
+  const DenseVector b = -t.residual(t.state.s, t.law.phi), wanted = Testing::leastNormSolve(M, b);
   const Eigen::VectorXd y = system.solve();
   TEST_COMPARE((y - wanted).norm(), <, 1e-10 * wanted.norm());
   TEST_FLOATING_EQUALITY(std::hypot(std::sqrt(projected.outside2()), system.residual(y)), (M * y - b).norm(), 1e-10);

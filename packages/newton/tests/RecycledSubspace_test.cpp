@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RecycledSubspace.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Map.hpp>
+
+#include "DenseAlgebra.hpp"
 
 namespace {
 
@@ -67,11 +69,11 @@ TEUCHOS_UNIT_TEST(RecycledSubspace, KeepsPairsScaledByTheirJumps) {
 
   const Eigen::VectorXd gluing = rows.vectors.gluing(rows.make(50));
   const auto projected = subspace.projectGluing(gluing);
-  const Eigen::VectorXd least = Eigen::VectorXd((SS).ldlt().solve([&] {
+  const Eigen::VectorXd least = Testing::ldltSolve(SS, [&] {
     Eigen::MatrixXd b = S.transpose() * gluing;
     rows.vectors.sum(b);
-    return Eigen::VectorXd(b);
-  }()));
+    return b;
+  }());
   const double outside = rows.vectors.norm(gluing - S * least);
   TEST_COMPARE(std::abs(std::sqrt(projected.outside2()) - outside), <=, 1e-7 * std::sqrt(projected.norm2));
 }

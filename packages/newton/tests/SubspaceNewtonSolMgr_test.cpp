@@ -31,7 +31,7 @@ Kkt measure(const Setup& t, const Manager& manager, double unitLength = 1, doubl
   Kkt kkt;
   const DenseVector rigid = s * unitLength - d.h + d.F * x * unitForce;
   const DenseMatrix GT = d.GT;
-  kkt.error = std::max(kkt.error, (rigid - GT * GT.colPivHouseholderQr().solve(rigid)).norm() / unitLength);
+  kkt.error = std::max(kkt.error, (rigid - GT * Testing::qrSolve(GT, rigid)).norm() / unitLength);
   kkt.error = std::max(kkt.error, (GT.transpose() * x - d.e / unitForce).norm());
   kkt.error = std::max(kkt.error, s.tail(s.size() - 3 * d.layout.groups).norm());
   for (int i = 0; i < d.layout.groups; ++i) {
@@ -179,8 +179,8 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, GoesOnWhereItWas) {
 
 // The inverse of F between balanced multipliers: G M = 0.
 DenseMatrix balancedInverse(const DenseContact& d) {
-  const DenseMatrix inverse = d.F.inverse(), W = inverse * d.GT;
-  return inverse - W * (d.GT.transpose() * W).completeOrthogonalDecomposition().pseudoInverse() * W.transpose();
+  const DenseMatrix inverse = Testing::inverse(d.F), W = inverse * d.GT;
+  return inverse - W * Testing::pseudoInverse(d.GT.transpose() * W) * W.transpose();
 }
 
 // With a model that is F itself the law is solved within it; a poor M leads to the model by a plateau.

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_RoundSurface.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_InputCheck.hpp"
 
 namespace Haptos {
@@ -36,7 +37,7 @@ Cloud cloudOf(const ContactSurface& surface) {
 Vector3d leastOrthogonal(const ContactSurface& surface) {
   Matrix3d sum = Matrix3d::Zero();
   for (std::size_t i = 0; i < surface.numNodes(); ++i) sum += surface.areas[i] * vectorOf(surface.normals[i]) * vectorOf(surface.normals[i]).transpose();
-  return Eigen::SelfAdjointEigenSolver<Matrix3d>(sum).eigenvectors().col(0);
+  return SymmetricEigen3(sum).vectors.col(0);
 }
 
 // What moves in a fit: centre, axis (of a cylinder) and radius, each step orthogonal to the axis.
@@ -60,7 +61,7 @@ void startFrom(const MatrixXd& points, Shape& shape) {
   const MatrixXd E = shape.basis(), y = points * E;
   MatrixXd A(points.rows(), E.cols() + 1);
   A << 2 * y, VectorXd::Ones(points.rows());
-  const VectorXd solution = A.colPivHouseholderQr().solve(y.rowwise().squaredNorm());
+  const VectorXd solution = solveByPivotedQr(A, y.rowwise().squaredNorm());
   const VectorXd p = solution.head(E.cols());
   shape.centre = E * p;
   shape.radius = std::sqrt(std::max(0.0, solution[E.cols()] + p.squaredNorm()));
@@ -86,7 +87,7 @@ void improve(const MatrixXd& points, Shape& shape) {
       if (turns > 0) J.row(i).segment(m, turns) = -shape.axis.dot(x - shape.centre) * u.transpose() * E;
       J(i, m + turns) = -1;
     }
-    const VectorXd move = -J.colPivHouseholderQr().solve(distancesFrom(points, shape));
+    const VectorXd move = -solveByPivotedQr(J, distancesFrom(points, shape));
     if (!move.allFinite()) return;
     shape.centre += E * move.head(m);
     if (turns > 0) shape.axis = (shape.axis + E * move.segment(m, turns)).normalized();

@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Which nodes of mortar interfaces carry multipliers: rows stay independent, forces stay complete.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <map>
 #include <set>
 
 #include "ContactScenes.hpp"
+#include "DenseAlgebra.hpp"
 
 namespace {
 
@@ -68,7 +69,7 @@ double smallestSingularValue(const Mesh& mesh, const std::vector<ContactInterfac
                 B(Eigen::Index(row), 3 * node + Eigen::Index(d)) += (side == &pair.secondary ? weight : -weight) * direction[d];
         ++row;
       }
-  return Eigen::BDCSVD<Eigen::MatrixXd>(B).singularValues().tail(1)[0];
+  return Testing::singularValues(B).tail(1)[0];
 }
 
 // Two bodies side by side below one: the nodes over the joint belong to the one that covers more.

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 // Small problems shared by the tests: dense, replicated on every rank, handed out row by row.
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <Teuchos_CommHelpers.hpp>
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Map.hpp>
@@ -10,6 +10,7 @@
 #include <Tpetra_Vector.hpp>
 #include <random>
 
+#include "DenseAlgebra.hpp"
 #include "Haptos_BoundEllipseSet.hpp"
 #include "Haptos_EllipseProjection.hpp"
 #include "Haptos_QuadraticProgram.hpp"
@@ -117,14 +118,13 @@ inline DenseProblem makeRandomProblem(int groups, int freeEntries, int equalitie
   const auto random = [&](int r, int c) {
     return DenseMatrix(DenseMatrix::NullaryExpr(r, c, [&] { return normal(rng); }));
   };
-  const DenseMatrix U = Eigen::HouseholderQR<DenseMatrix>(random(n, n)).householderQ();
+  const DenseMatrix U = Testing::squareQ(random(n, n));
   DenseVector w(n);
   for (int i = 0; i < n; ++i) w[i] = std::pow(smallest, unit(rng));
   d.A = U * w.asDiagonal() * U.transpose();
   d.Q = DenseMatrix::Zero(n, n);
   if (equalities > 0) {
-    const DenseMatrix V = Eigen::HouseholderQR<DenseMatrix>(random(n, equalities)).householderQ() *
-                          DenseMatrix::Identity(n, equalities);
+    const DenseMatrix V = Testing::thinQ(random(n, equalities));
     d.Q = V * V.transpose();
     const DenseMatrix P = DenseMatrix::Identity(n, n) - d.Q;
     d.A = P * d.A * P;

@@ -25,10 +25,10 @@ DenseVector solveByAdmm(const DenseProblem& d, const DenseMatrix& axes, DenseVec
   const DenseMatrix I = DenseMatrix::Identity(n, n), P = I - d.Q;
   const DenseVector xq = d.Q * d.x0;
   const double sigma = 0.03;  // near the geometric mean of the spectrum of A
-  const Eigen::LDLT<DenseMatrix> step(P * (d.A + sigma * I) * P + d.Q);
+  const Testing::Solve step = Testing::ldltFactor(P * (d.A + sigma * I) * P + d.Q);
   DenseVector u = DenseVector::Zero(n);
   for (int it = 0; it < 100000; ++it) {
-    const DenseVector x = P * step.solve(P * (d.b + sigma * (z - u) - d.A * xq)) + xq;
+    const DenseVector x = P * step(P * (d.b + sigma * (z - u) - d.A * xq)) + xq;
     const DenseVector zNew = d.project(1.6 * x - 0.6 * z + u, axes);
     u += 1.6 * x - 0.6 * z - zNew;
     const double change = (zNew - z).norm() + (x - zNew).norm();

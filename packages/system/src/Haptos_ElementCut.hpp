@@ -5,8 +5,8 @@
 #include <tuple>
 #include <vector>
 
+#include "Haptos_Communication.hpp"
 #include "Haptos_Options.hpp"
-#include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
 

@@ -14,7 +14,8 @@
 namespace Haptos {
 
 inline constexpr const char* kLooseModel =
-    "The model cannot be solved with 16 digits: parts of it are held or joined by next to nothing. Hold or join them; Solver->Method = SMALSE bears more.";
+    "The model cannot be solved with 16 digits: parts of it are held or joined by next to nothing. "
+    "Hold or join them; Solver->Method = SMALSE bears more.";
 
 class SurfaceOperators;
 

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "Haptos_EvenRanges.hpp"
-#include "Haptos_Types_fwd.hpp"
+#include "Haptos_PlainTypes.hpp"
 
 namespace Haptos {
 

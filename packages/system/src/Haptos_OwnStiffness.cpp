@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_OwnStiffness.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/SparseCore>
 #include <Tpetra_CrsMatrix.hpp>
 #include <algorithm>
 #include <cmath>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_RigidBodyModes.hpp"
@@ -105,9 +106,9 @@ void requireSymmetry(const Part& part, const SparseMatrix& K) {
 Eigen::MatrixXd givenKernel(const Part& part, const SparseMatrix& K) {
   if (part.kernel.rows() != K.rows())
     refuse(part, "comes with a kernel of " + std::to_string(part.kernel.rows()) + " rows; it has " + std::to_string(K.rows()) + ".");
-  const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(part.kernel);
-  if (qr.rank() < part.kernel.cols()) refuse(part, "comes with a kernel whose columns depend on each other.");
-  const Eigen::MatrixXd R = qr.householderQ() * Eigen::MatrixXd::Identity(K.rows(), part.kernel.cols());
+  const PivotedQr qr(part.kernel);
+  if (Eigen::Index(qr.columns.size()) < part.kernel.cols()) refuse(part, "comes with a kernel whose columns depend on each other.");
+  const Eigen::MatrixXd& R = qr.Q;
   const Eigen::VectorXd weights = K.diagonal();
   for (Eigen::Index j = 0; j < R.cols(); ++j) {
     const double energy = R.col(j).dot(K * R.col(j)), measure = R.col(j).dot(weights.cwiseProduct(R.col(j)));
@@ -137,13 +138,12 @@ Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinate
   const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> motions = R;  // by rows: K is read once for all six
   const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> forces = K * motions;
   const Small energy = motions.transpose() * forces, measure = R.transpose() * K.diagonal().asDiagonal() * R;
-  const Eigen::GeneralizedSelfAdjointEigenSolver<Small> eigen(0.5 * (energy + energy.transpose()), measure);
+  const SymmetricPencil eigen(0.5 * (energy + energy.transpose()), measure);
   Eigen::Index k = 0;
-  while (k < 6 && eigen.eigenvalues()[k] <= kNoEnergy) ++k;
+  while (k < 6 && eigen.values[k] <= kNoEnergy) ++k;
   if (k == 6) return R;
   if (k == 0) return Eigen::MatrixXd(R.rows(), 0);
-  const Eigen::MatrixXd some = R * eigen.eigenvectors().leftCols(k);
-  return Eigen::HouseholderQR<Eigen::MatrixXd>(some).householderQ() * Eigen::MatrixXd::Identity(some.rows(), k);
+  return orthonormalBasis(R * eigen.vectors.leftCols(k));
 }
 
 OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {

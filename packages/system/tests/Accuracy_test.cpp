@@ -36,7 +36,7 @@ class PressedBlocks {
     Eigen::VectorXd b(n + m);
     b.head(n) = load;
     b.tail(m) = Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), m);
-    const Eigen::VectorXd x = A.partialPivLu().solve(b);
+    const Eigen::VectorXd x = luSolve(A, b);
     u = x.head(n);
     lambda = x.tail(m);
     step = {onRanks(load), scattered(feti.map(), Eigen::Map<const Eigen::VectorXd>(scene.rows.c.data(), m)), prescribed};

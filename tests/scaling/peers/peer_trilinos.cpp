@@ -2,7 +2,8 @@
 // Solvers of Trilinos and Haptos on the two beams bonded, through Stratimikos, one core:
 //   peer_trilinos beams.xml [OPTIONS OF HAPTOS] -- n FILE.xml...
 // Every file has Stratimikos' parameters of one solver; they run in turns, `n` times.  Solvers of merged matrices get the merged
-// matrix, Haptos its subdomains.  Prints a line of JSON a solver: medians of the processor's seconds and the least of both together, iterations, true residual.
+// matrix, Haptos its subdomains.  Prints a line of JSON a solver: medians of the processor's seconds and the least of both together,
+// iterations, true residual.
 #include <Haptos_CommandLine.hpp>
 #include <Haptos_DistributedModel.hpp>
 #include <Haptos_ElasticStiffness.hpp>
@@ -179,7 +180,8 @@ void run(const Bonded& beams, double tolerance, Runs& runs) {
   if (runs.file.find("haptos") != std::string::npos) A = beams.subdomains;
   const double start = seconds();
   const auto space = Thyra::createVectorSpace<double>(A->getDomainMap());
-  const auto inverse = Thyra::linearOpWithSolve(*factory, RCP<const Thyra::LinearOpBase<double>>(Thyra::constTpetraLinearOp<double>(space, space, A)));
+  const RCP<const Thyra::LinearOpBase<double>> forward = Thyra::constTpetraLinearOp<double>(space, space, A);
+  const auto inverse = Thyra::linearOpWithSolve(*factory, forward);
   const double middle = seconds();
   const auto x = rcp(new Vector(beams.load->getMap()));
   const Thyra::SolveCriteria<double> criteria({Thyra::SOLVE_MEASURE_NORM_RESIDUAL, Thyra::SOLVE_MEASURE_NORM_RHS}, tolerance);
@@ -201,17 +203,19 @@ void print(const Runs& runs, const Bonded& beams) {
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return runs.setUp[a] + runs.solve[a] < runs.setUp[b] + runs.solve[b]; });
   const auto median = order[order.size() / 2];
-  std::printf("{\"solver\": \"%s\", \"unknowns\": %d, \"subdomains\": %d, \"setup\": %.3f, \"solve\": %.3f, \"least\": %.3f, \"iterations\": %d, \"residual\": %.2e, "
-              "\"work\": %.10g, \"converged\": %s}\n",
+  std::printf("{\"solver\": \"%s\", \"unknowns\": %d, \"subdomains\": %d, \"setup\": %.3f, \"solve\": %.3f, \"least\": %.3f, "
+              "\"iterations\": %d, \"residual\": %.2e, \"work\": %.10g, \"converged\": %s}\n",
               runs.file.substr(runs.file.find_last_of('/') + 1).c_str(), int(beams.load->getGlobalLength()), beams.count(), runs.setUp[median],
-              runs.solve[median], runs.setUp[order.front()] + runs.solve[order.front()], runs.iterations, runs.residual, runs.work, runs.converged ? "true" : "false");
+              runs.solve[median], runs.setUp[order.front()] + runs.solve[order.front()], runs.iterations, runs.residual, runs.work,
+              runs.converged ? "true" : "false");
 }
 
 int work(const RCP<const Communicator>& comm, int argc, char* argv[]) {
   constexpr double kTolerance = 1e-6;
   const std::vector<std::string> words(argv + 1, argv + argc);
   const auto end = std::find(words.begin(), words.end(), "--");
-  TEUCHOS_TEST_FOR_EXCEPTION(words.end() - end < 3 || comm->getSize() > 1, std::invalid_argument, "beams.xml [OPTIONS OF HAPTOS] -- n FILE.xml..., on one rank");
+  TEUCHOS_TEST_FOR_EXCEPTION(words.end() - end < 3 || comm->getSize() > 1, std::invalid_argument,
+                             "beams.xml [OPTIONS OF HAPTOS] -- n FILE.xml..., on one rank");
   std::vector<Runs> all;
   for (auto file = end + 2; file != words.end(); ++file) all.push_back({*file, {}, {}});
   const Bonded beams(comm, runOptions(readParameters(*comm, parseCommandLine({words.begin(), end}))));

@@ -1,0 +1,56 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+#include <Teuchos_RCP.hpp>
+#include <functional>
+#include <vector>
+
+#include "Haptos_CoarseProblem.hpp"
+#include "Haptos_ContactLaw.hpp"
+#include "Haptos_Types_fwd.hpp"
+
+namespace Haptos {
+
+class CountedOperator;
+
+/// \brief What the subspace Newton method sees: operators, a coarse space and a law per pair; no mesh.
+///
+/// Find lambda [force] and a such that, with s = h - F lambda + G^T a [length],
+///
+///   G lambda = e,   s = 0 on gluing rows,   lambda = P(lambda + r s) on the rows of every pair (any r > 0).
+///
+/// Row indices are local to the map of F; all rows of a pair lie on one rank.
+struct ContactOperators {
+  RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
+  RCP<const Vector> h;                ///< [length]
+  RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
+  RCP<const Operator> contactM;       ///< M between contact rows, on `mapOfRows` of F's map and `contactRows`; null: M itself is used
+  RCP<const Operator> contactRowsOfM; ///< from all rows to the contact rows of M; null: M itself is used
+  /// A better M with G M = 0 (DeflatedPreconditioner), and M between contact rows where that is cheaper than M; else null.
+  struct Deflated {
+    RCP<const Operator> M, contactM;
+    double stiffness = 1;  ///< of pairs, in parts of what the diagonal of the other M says
+    /// M between owned rows (-1: none, zero) of all ranks, as one matrix on every rank [rows of all]^2, rank after rank; empty: made by
+    /// columns of M.  Collective.
+    std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};
+  };
+  /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
+  std::function<Deflated()> makeDeflatedM;
+  bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
+  RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
+  RCP<const CoarseRows> GT;           ///< G^T on the owned rows
+  RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular
+  bool contactChangesGGT = false;     ///< it was made with the contact rows, and no others, as changing ones: saves a factor
+  Eigen::VectorXd e;                  ///< [l], the same on all ranks
+  /// Coarse vectors that span the motions which the gluing rows do not feel [l x k] (of floating bodies,
+  /// `findUnheldMotions`), independent; may be empty.  holds [k]: coarse vectors that act on them, `CoarseProblem::Holds`.
+  Eigen::MatrixXd motions;
+  CoarseProblem::Holds holds;
+  std::vector<PairLaw> pairs;         ///< owned pairs
+  std::vector<int> gluingRows;        ///< owned rows with s = 0
+};
+
+/// \brief M between contact rows, by M itself.  Collective.
+RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vector<PairLaw>& pairs);
+
+}  // namespace Haptos
