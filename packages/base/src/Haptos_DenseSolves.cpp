@@ -10,7 +10,8 @@
 #include "Haptos_DenseDecompositions.hpp"
 
 // Teuchos has none with pivoting.
-extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* lda, int* pivots, int* rank, const double* least, double* work, int* info);
+extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* lda, int* pivots, int* rank, const double* least, double* work,
+                        int* info);
 
 namespace Haptos {
 

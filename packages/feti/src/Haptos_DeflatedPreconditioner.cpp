@@ -238,7 +238,9 @@ std::vector<std::vector<Eigen::Index>> DeflatedPreconditioner::boundaryUnknowns(
 }
 
 // S_i = L^T L: it is slender.
-bool DeflatedPreconditioner::isHalved(std::size_t subdomain) const { return L_[std::size_t(base_->systems()[int(subdomain)].congruenceClass)].size() > 0; }
+bool DeflatedPreconditioner::isHalved(std::size_t subdomain) const {
+  return L_[std::size_t(base_->systems()[int(subdomain)].congruenceClass)].size() > 0;
+}
 
 // C = 1 there.
 void DeflatedPreconditioner::shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const {

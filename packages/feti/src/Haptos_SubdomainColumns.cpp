@@ -56,7 +56,8 @@ void SubdomainColumns::appendColumn(std::size_t subdomain, const Eigen::VectorXd
     if (std::abs(x[i]) > negligible) rows.push_back(i);
   if (rows.empty()) return;
   Part& part = *parts_[subdomain];
-  if (part.empty() || !std::includes(part.back().rows.begin(), part.back().rows.end(), rows.begin(), rows.end())) part.push_back({std::move(rows), {}, {}});
+  if (part.empty() || !std::includes(part.back().rows.begin(), part.back().rows.end(), rows.begin(), rows.end()))
+    part.push_back({std::move(rows), {}, {}});
   Block& block = part.back();
   block.columns.push_back(cols_);
   for (Eigen::Index row : block.rows) block.values.push_back(x[row]);

@@ -63,7 +63,13 @@ ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const Conta
 }  // namespace
 
 ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
-    : M_(std::move(parts.M)), makeWhole_(std::move(parts.dense)), vectors_(vectors), diagonal_(std::move(parts.diagonal)), kernel_(std::move(parts.kernel)), kind_(kind), options_(options) {
+    : M_(std::move(parts.M)),
+      makeWhole_(std::move(parts.dense)),
+      vectors_(vectors),
+      diagonal_(std::move(parts.diagonal)),
+      kernel_(std::move(parts.kernel)),
+      kind_(kind),
+      options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
   const Eigen::Index mine = 3 * vectors.numPairs();
@@ -230,12 +236,14 @@ Eigen::VectorXd restOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const 
 }
 
 // (A X)(rest) and (B X)(rest) of values X on the rest
-Eigen::MatrixXd timesBlocks(const PairBlocks& pairs, const Rows& rest, const Eigen::MatrixXd& X, double (PairBlocks::*block)(Eigen::Index, Eigen::Index) const) {
+Eigen::MatrixXd timesBlocks(const PairBlocks& pairs, const Rows& rest, const Eigen::MatrixXd& X,
+                            double (PairBlocks::*block)(Eigen::Index, Eigen::Index) const) {
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(pairs.values.rows(), X.cols()), Y(X.rows(), X.cols());
   for (std::size_t i = 0; i < rest.size(); ++i) all.row(rest[i]) = X.row(Eigen::Index(i));
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const Eigen::Index row = rest[i], at = row - row % 3;
-    Y.row(Eigen::Index(i)) = (pairs.*block)(row, 0) * all.row(at) + (pairs.*block)(row, 1) * all.row(at + 1) + (pairs.*block)(row, 2) * all.row(at + 2);
+    Y.row(Eigen::Index(i)).setZero();
+    for (Eigen::Index k = 0; k < 3; ++k) Y.row(Eigen::Index(i)) += (pairs.*block)(row, k) * all.row(at + k);
   }
   return Y;
 }
@@ -270,8 +278,9 @@ struct ContactMatrix::RestSystem {
     if (kernel.cols() == 0 || !x.allFinite()) return x.col(0);
     const Eigen::MatrixXd H = kernel.transpose() * x.rightCols(kernel.cols());
     const Eigen::VectorXd scale = H.diagonal().cwiseAbs().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-    const Eigen::VectorXd a = scale.asDiagonal() * solveLeastSquares(scale.asDiagonal() * H * scale.asDiagonal(), scale.asDiagonal() * (kernel.transpose() * x.col(0)));
-    return x.col(0) + (kernel - x.rightCols(kernel.cols())) * a;
+    const Eigen::MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
+    const Eigen::VectorXd a = solveLeastSquares(scaled, scale.asDiagonal() * (kernel.transpose() * x.col(0)));
+    return x.col(0) + (kernel - x.rightCols(kernel.cols())) * scale.cwiseProduct(a);
   }
 
   // Cholesky's method and LU are good for all but singular matrices.
@@ -283,8 +292,8 @@ struct ContactMatrix::RestSystem {
   }
 };
 
-// The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no solution but what a Krylov
-// method comes to, or that of least norm where there is none.
+// The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no
+// solution but what a Krylov method comes to, or that of least norm where there is none.
 std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape) const {
   Eigen::MatrixXd mine(b.size(), 7);
   for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i], b.segment<3>(3 * Eigen::Index(i));
