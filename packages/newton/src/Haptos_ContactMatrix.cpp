@@ -254,10 +254,10 @@ Eigen::MatrixXd kernelOn(const Rows& rest, const Eigen::MatrixXd& N) {
   if (N.cols() == 0 || rest.empty()) return Eigen::MatrixXd(Eigen::Index(rest.size()), 0);
   Eigen::MatrixXd others = N, inside(Eigen::Index(rest.size()), N.cols());
   for (std::size_t i = 0; i < rest.size(); ++i) inside.row(Eigen::Index(i)) = N.row(rest[i]), others.row(rest[i]).setZero();
-  const SymmetricEigen eigen(others.transpose() * others);
+  const RightSvd svd(others);  // not by a Gram matrix, whose round-off is 1e-8 of a motion
   Eigen::Index k = 0;
-  while (k < N.cols() && eigen.values[k] <= kStays * kStays) ++k;
-  return inside * eigen.vectors.leftCols(k);
+  while (k < N.cols() && svd.values[N.cols() - 1 - k] <= kStays) ++k;
+  return inside * svd.V.rightCols(k);
 }
 
 }  // namespace

@@ -251,6 +251,19 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   TEST_COMPARE(errors(kernel.leftCols(0)).minCoeff(), >, 0.1);
   TEST_COMPARE(errors(kernel, ContactMatrix::Kind::Dense).maxCoeff(), <, 1e-4);
   TEST_COMPARE(errors(kernel.leftCols(0), ContactMatrix::Kind::Dense).minCoeff(), >, 0.1);
+
+  // Two pairs say how their normals move: the motions that these leave are still the kernel's, and 1e-12 holds one of them.
+  const Eigen::Vector3d hardly(1, 0.5, 1e-12);
+  const DenseVector bent = numbers(n, 0.4), far = bent + 1e6 * J.col(1);
+  DenseVector rhs = M.topLeftCorner(n, n) * bent + hardly.replicate(kGroups, 1).cwiseProduct(far);
+  for (Eigen::Index at : {0, 3}) rhs[at] = far[at];
+  ContactMatrix::Blocks A = one, B(t.dual.pairs.size(), hardly.asDiagonal());
+  for (std::size_t i = 0; i < t.dual.pairs.size(); ++i)
+    if (t.setup.map->getGlobalElement(t.dual.pairs[i].normal) / 3 < 2) A[i].row(0).setZero(), B[i](0, 0) = 1;
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, noisy)), t.dual.pairs), contactPart(t.contactM().diagonal()), {}, kernel},
+                             t.vectors, ContactMatrix::Kind::Dense, options);
+  const Eigen::VectorXd x = matrix.solve(A, B, contactPart(rhs), 1e-6);
+  TEST_COMPARE(t.vectors.norm(x - contactPart(far)), <, 1e-4 * far.norm());
 }
 
 // From no start, at axis ratios that Newton's method fears, with coefficients 0 and Tresca's law: all law is obeyed at the end.
