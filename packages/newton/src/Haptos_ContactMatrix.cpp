@@ -260,15 +260,23 @@ Eigen::MatrixXd kernelOn(const Rows& rest, const Eigen::MatrixXd& N) {
   return inside * svd.V.rightCols(k);
 }
 
+// Combinations of motions that B resists, by its images of them; others (a coefficient 0) stay where they are.
+Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
+  constexpr double kNothing = 1e-13;
+  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
+  const RightSvd svd(images);
+  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
+}
+
 }  // namespace
 
 // The rest of (A M + B) d = b, G = A (M + sigma N N^T) + B being regular where only B resists the kernel N:
 //
-//   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b,
+//   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b   for those N that B resists,
 //
 // whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.
 struct ContactMatrix::RestSystem {
-  Eigen::MatrixXd matrix, kernel, images;  // A M + B, N, B N
+  Eigen::MatrixXd matrix, kernel, images;  // A M + B, N that B resists, B N
   Eigen::VectorXd rhs;
 
   Eigen::VectorXd regularSolution(const Eigen::MatrixXd& G, Shape shape) const {
@@ -300,8 +308,8 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, con
   const PairBlocks pairs{onAllRanks(mine)};
   Eigen::VectorXd d = Eigen::VectorXd::Zero(size_);
   const Rows rest = unsolvedRows(pairs, dense_, d);
-  const Eigen::MatrixXd N = kernelOn(rest, wholeKernel_);
-  const RestSystem system{blockOf(pairs, dense_, rest), N, timesBlocks(pairs, rest, N, &PairBlocks::B), restOf(pairs, dense_, rest, d)};
+  const Eigen::MatrixXd N = kernelOn(rest, wholeKernel_), held = N * heldBy(timesBlocks(pairs, rest, N, &PairBlocks::B));
+  const RestSystem system{blockOf(pairs, dense_, rest), held, timesBlocks(pairs, rest, held, &PairBlocks::B), restOf(pairs, dense_, rest, d)};
   Eigen::MatrixXd G = system.matrix;
   if (N.cols() > 0) G += dense_.diagonal().mean() * timesBlocks(pairs, rest, N, &PairBlocks::A) * N.transpose();
   Eigen::VectorXd x = system.regularSolution(G, shape);

@@ -264,6 +264,22 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
                              t.vectors, ContactMatrix::Kind::Dense, options);
   const Eigen::VectorXd x = matrix.solve(A, B, contactPart(rhs), 1e-6);
   TEST_COMPARE(t.vectors.norm(x - contactPart(far)), <, 1e-4 * far.norm());
+
+  // Along an axis without friction, at 0.3 here, a body stays where it is, and the rest is solved for.
+  Eigen::Matrix3d turn = Eigen::Matrix3d::Identity();
+  turn.bottomRightCorner<2, 2>() << std::cos(0.3), -std::sin(0.3), std::sin(0.3), std::cos(0.3);
+  const Eigen::Matrix3d free = turn * Eigen::Vector3d(1, 0.5, 0).asDiagonal() * turn.transpose();
+  const ContactMatrix::Blocks Kfree(t.dual.pairs.size(), free);
+  const auto resisted = [&](const DenseVector& x) {
+    DenseVector y = x;
+    for (Eigen::Index i = 0; i < y.size(); i += 3) y.segment<3>(i) = free * x.segment<3>(i);
+    return y;
+  };
+  const DenseVector load = M.topLeftCorner(n, n) * bent + resisted(bent);
+  for (const Eigen::VectorXd& y : {matrix.solveSymmetric(Kfree, contactPart(load)), matrix.solve(one, Kfree, contactPart(load), 1e-6)}) {
+    TEST_COMPARE(t.vectors.norm(matrix.multiply(y - contactPart(bent))), <, 1e-6 * load.norm());
+    TEST_COMPARE(t.vectors.norm(y), <, 10 * bent.norm());
+  }
 }
 
 // From no start, at axis ratios that Newton's method fears, with coefficients 0 and Tresca's law: all law is obeyed at the end.
