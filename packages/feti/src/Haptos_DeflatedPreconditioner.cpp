@@ -18,6 +18,7 @@ namespace Haptos {
 namespace {
 
 constexpr int kBlock = 32;             // columns of Z that are made at a time
+constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
 
@@ -37,8 +38,6 @@ Eigen::MatrixXd timesSparse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& X) 
   for (std::size_t k = 0; k < rows.size(); ++k) columns.col(Eigen::Index(k)) = A.col(rows[k]), values.row(Eigen::Index(k)) = X.row(rows[k]);
   return columns * values;
 }
-
-constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 
 void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
   all.conservativeResize(Eigen::NoChange, all.cols() + more.cols());
