@@ -75,6 +75,17 @@ function(haptos_find_library name header library)
   endif()
 endfunction()
 
+# Products and triangular solves of large matrices go to the BLAS, whose kernels know the processor: Eigen's are compiled for any, with SSE2
+# on x86-64.  Products with vectors stay Eigen's (the macros are the guards of its files for them): they are as fast, and a BLAS complains about empty
+# matrices.  One setting for all units, as of templates that differ in it the linker would take any.
+function(haptos_find_eigen)
+  haptos_find_package(eigen Eigen3 3.3 Eigen3::Eigen)
+  if(TARGET Haptos::eigen)
+    target_compile_definitions(Haptos::eigen INTERFACE EIGEN_USE_BLAS EIGEN_GENERAL_MATRIX_VECTOR_BLAS_H
+      EIGEN_SELFADJOINT_MATRIX_VECTOR_BLAS_H EIGEN_TRIANGULAR_MATRIX_VECTOR_BLAS_H)
+  endif()
+endfunction()
+
 # name; what a person would look for, on Debian
 set(HAPTOS_trilinos_IS "MPI and Trilinos, 13.2 or newer (trilinos-all-dev, libptscotch-dev, libopenmpi-dev)")
 set(HAPTOS_thyra_IS "Trilinos' Stratimikos and ThyraTpetraAdapters (trilinos-all-dev)")
@@ -95,7 +106,7 @@ macro(haptos_find name)
   elseif("${name}" STREQUAL "mpi_c")
     haptos_find_mpi_c()
   elseif("${name}" STREQUAL "eigen")
-    haptos_find_package(eigen Eigen3 3.3 Eigen3::Eigen)
+    haptos_find_eigen()
   elseif("${name}" STREQUAL "json")
     haptos_find_package(json nlohmann_json 3 nlohmann_json::nlohmann_json)
   elseif("${name}" STREQUAL "metis")

@@ -3,6 +3,7 @@
 #include <Tpetra_Core.hpp>
 #include <cstdint>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 
 #include <dlfcn.h>
@@ -17,12 +18,33 @@
 
 namespace {
 
+template <class Function>
+Function* find(const char* name) {
+  return reinterpret_cast<Function*>(dlsym(RTLD_DEFAULT, name));
+}
+
 // Ranks are the parallelism here; threads would fight for their cores.  The BLAS has read its environment before main,
 // and CHOLMOD asks OpenMP for four threads by number, so both are told by their own functions, where they are there.
 void useOneThread() {
   if (std::getenv("OPENBLAS_NUM_THREADS") == nullptr)
-    if (auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
-  if (auto set = reinterpret_cast<void (*)(int)>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
+    if (auto set = find<void(int)>("openblas_set_num_threads")) set(1);
+  if (auto set = find<void(int)>("omp_set_max_active_levels")) set(0);
+}
+
+// Kernels of OpenBLAS that this processor can run, where an older OpenBLAS does not know it and has taken those of a Pentium 4: four
+// times slower.  It chose before main; these are the functions that chose.  An OPENBLAS_CORETYPE of the user's is left alone.
+void useVectorKernels() {
+#if defined(__x86_64__) && defined(__GNUC__)
+  const auto core = find<char*()>("openblas_get_corename");
+  const auto begin = find<void()>("gotoblas_dynamic_init"), end = find<void()>("gotoblas_dynamic_quit");
+  if (!core || !begin || !end || std::strcmp(core(), "Prescott") != 0 || std::getenv("OPENBLAS_CORETYPE") != nullptr) return;
+  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return;
+  const bool wide = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw") &&
+                    __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512cd");
+  setenv("OPENBLAS_CORETYPE", wide ? "SkylakeX" : "Haswell", 1);
+  end();
+  begin();
+#endif
 }
 
 #ifdef __GLIBC__
@@ -57,6 +79,7 @@ void prepareHeap() {
 }  // namespace
 
 int main(int argc, char* argv[]) {
+  useVectorKernels();
   useOneThread();
   prepareHeap();
   // Kokkos would answer --help before us.

@@ -11,8 +11,6 @@
 #include "Haptos_Exchange.hpp"
 #include "Haptos_Reductions.hpp"
 
-extern "C" void dgemm_();
-
 namespace Haptos {
 namespace {
 
@@ -41,7 +39,7 @@ std::string mpiName() {
 std::string blasName() {
   if (auto config = reinterpret_cast<const char* (*)()>(dlsym(RTLD_DEFAULT, "openblas_get_config"))) return config();
   Dl_info info{};
-  if (dladdr(reinterpret_cast<void*>(&dgemm_), &info) == 0 || info.dli_fname == nullptr) return "";
+  if (dladdr(dlsym(RTLD_DEFAULT, "dgemm_"), &info) == 0 || info.dli_fname == nullptr) return "";
   const std::string path = info.dli_fname;
   return path.substr(path.find_last_of('/') + 1);
 }

@@ -7,24 +7,10 @@
 #include <algorithm>
 #include <cmath>
 
-// Not in Teuchos::BLAS.
-extern "C" {
-void dspmv_(const char* uplo, const int* n, const double* alpha, const double* ap, const double* x, const int* incx,
-            const double* beta, double* y, const int* incy);
-void sspmv_(const char* uplo, const int* n, const float* alpha, const float* ap, const float* x, const int* incx,
-            const float* beta, float* y, const int* incy);
-void dsyr2k_(const char* uplo, const char* trans, const int* n, const int* k, const double* alpha, const double* a,
-             const int* lda, const double* b, const int* ldb, const double* beta, double* c, const int* ldc);
-void dtrsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* a, const int* lda, double* x,
-            const int* incx);
-void dtpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const double* ap, double* x, const int* incx);
-void stpsv_(const char* uplo, const char* trans, const char* diag, const int* n, const float* ap, float* x, const int* incx);
-}
+#include "Haptos_MoreBlas.hpp"
 
 namespace Haptos {
 namespace {
-
-const int kOne = 1;
 
 int leading(const Eigen::MatrixXd& A) { return std::max(1, int(A.outerStride())); }
 
@@ -94,9 +80,7 @@ void subtractGram(const Eigen::MatrixXd& A, Eigen::MatrixXd& C) {
 // SYR2K: both products at the price of one, one triangle written
 void addSymmetricProduct(double alpha, const Eigen::MatrixXd& A, const Eigen::MatrixXd& B, Eigen::MatrixXd& C) {
   if (A.size() == 0) return;
-  const int n = int(A.rows()), k = int(A.cols()), lda = leading(A), ldb = leading(B), ldc = leading(C);
-  const double one = 1;
-  dsyr2k_("L", "N", &n, &k, &alpha, A.data(), &lda, B.data(), &ldb, &one, C.data(), &ldc);
+  Blas::syr2k(int(A.rows()), int(A.cols()), alpha, A.data(), leading(A), B.data(), leading(B), C.data(), leading(C));
 }
 
 std::vector<double> packLower(const Eigen::MatrixXd& A) { return pack<double>(A, 1); }
@@ -131,11 +115,10 @@ void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Re
   if (X.size() == 0) return;
   if (!singles_.empty()) return applySingle(X, Y);
   const int n = int(n_);
-  const double one = 1, zero = 0;
   if (storage_ == Storage::Full)
     return multiplyFull(doubles_.data(), n, int(X.cols()), X.data(), int(X.outerStride()), Y.data(), int(Y.outerStride()));
   for (Eigen::Index j = 0; j < X.cols(); ++j)
-    dspmv_("L", &n, &one, doubles_.data(), X.col(j).data(), &kOne, &zero, Y.col(j).data(), &kOne);
+    Blas::spmv(n, doubles_.data(), X.col(j).data(), Y.col(j).data());
 }
 
 // y = (A / scale) (x / unit) in single precision: neither factor can overflow or vanish, whatever the units.
@@ -143,10 +126,9 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   const int n = int(n_), m = int(X.cols());
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
   Eigen::MatrixXf x = (X / unit).cast<float>(), y(n_, X.cols());
-  const float one = 1, zero = 0;
   if (storage_ == Storage::Full) multiplyFull(singles_.data(), n, m, x.data(), n, y.data(), n);
   else
-    for (int j = 0; j < m; ++j) sspmv_("L", &n, &one, singles_.data(), x.col(j).data(), &kOne, &zero, y.col(j).data(), &kOne);
+    for (int j = 0; j < m; ++j) Blas::spmv(n, singles_.data(), x.col(j).data(), y.col(j).data());
   Y = y.cast<double>() * (scale_ * unit);
 }
 
@@ -182,7 +164,7 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   if (B.size() == 0) return;
   const int n = int(n_);
   if (packed_.empty() && B.cols() == 1) {
-    for (const char* side : {"N", "T"}) dtrsv_("L", side, "N", &n, full_.data(), &n, B.data(), &kOne);
+    for (const bool transposed : {false, true}) Blas::trsv(transposed, n, full_.data(), n, B.data());
     return;
   }
   if (packed_.empty()) {
@@ -191,10 +173,8 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
                                         full_.data(), leading(full_), B.data(), int(B.outerStride()));
     return;
   }
-  for (Eigen::Index j = 0; j < B.cols(); ++j) {
-    dtpsv_("L", "N", "N", &n, packed_.data(), B.col(j).data(), &kOne);
-    dtpsv_("L", "T", "N", &n, packed_.data(), B.col(j).data(), &kOne);
-  }
+  for (Eigen::Index j = 0; j < B.cols(); ++j)
+    for (const bool transposed : {false, true}) Blas::tpsv(transposed, n, packed_.data(), B.col(j).data());
 }
 
 // D A D = L L^T with D = diag(A)^-1/2, so that entries are at most 1 and pivots lie in (0, 1].  What comes back from A x, x known,
@@ -227,7 +207,7 @@ void SingleCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
     const Eigen::VectorXd b = B.col(j).cwiseProduct(scale_);
     const double largest = b.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
     Eigen::VectorXf x = (b / unit).cast<float>();
-    for (const char* side : {"N", "T"}) stpsv_("L", side, "N", &n, L_.data(), x.data(), &kOne);
+    for (const bool transposed : {false, true}) Blas::tpsv(transposed, n, L_.data(), x.data());
     B.col(j) = unit * scale_.cwiseProduct(x.cast<double>());
   }
 }

@@ -98,7 +98,7 @@ struct CondensedContact::Model {
     const double target = options.reduction * (from.norm > options.reduction * start.norm ? start.norm : from.norm);
     Point near = newton(from, target);
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
-    if (near.norm <= target) return near;
+    if (near.norm <= target || left <= options.pathFrom) return near;
     // With the value of |F s_T| alone some paths end half way, with its derivative others.
     const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
     for (const auto& [slip, fromStages] : {std::pair(SlipTerm::Value, true), {SlipTerm::Value, false}, {SlipTerm::Derivative, false}}) {

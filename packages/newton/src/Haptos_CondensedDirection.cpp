@@ -28,7 +28,7 @@ std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& defla
 }
 
 SubspaceNewtonOptions::Condensed withReduction(SubspaceNewtonOptions::Condensed options, bool slender) {
-  if (slender) options.reduction = options.reductionSlender;
+  if (slender) options.reduction = options.reductionSlender, options.pathFrom = options.pathFromSlender;
   return options;
 }
 
