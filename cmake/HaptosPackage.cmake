@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: BSD-3-Clause
 include_guard(GLOBAL)
 
-# Half of what a build cost were headers of Trilinos and Eigen, read anew by each unit: those of all packages are read once.  No header of
-# ours is among them, and a build without (nightly.sh) tells of includes that are missing.
-option(HAPTOS_PRECOMPILE "Precompile headers of Trilinos and Eigen for the packages" ON)
-function(haptos_precompile target)
+# Half of what a build cost were headers of Trilinos and Eigen, read anew by each unit: they are read once for all packages and once for all tests, whose
+# code is not position independent.  No header of ours is among them, and a build without (nightly.sh) tells of includes that are missing.
+option(HAPTOS_PRECOMPILE "Precompile headers of Trilinos and Eigen" ON)
+function(haptos_precompile target headers independent)
   if(NOT HAPTOS_PRECOMPILE)
     return()
   endif()
-  if(NOT TARGET haptos_headers)
-    file(WRITE ${PROJECT_BINARY_DIR}/headers.cpp "")
-    add_library(haptos_headers OBJECT ${PROJECT_BINARY_DIR}/headers.cpp)
-    set_target_properties(haptos_headers PROPERTIES POSITION_INDEPENDENT_CODE ON CXX_EXTENSIONS OFF)
-    target_link_libraries(haptos_headers PRIVATE Haptos::trilinos Haptos::eigen haptos_warnings)
-    target_precompile_headers(haptos_headers PRIVATE <Eigen/SparseCore> <Teuchos_CommHelpers.hpp> <Teuchos_ParameterList.hpp> <Teuchos_RCP.hpp>
+  if(NOT TARGET ${headers})
+    file(WRITE ${PROJECT_BINARY_DIR}/${headers}.cpp "")
+    add_library(${headers} OBJECT ${PROJECT_BINARY_DIR}/${headers}.cpp)
+    set_target_properties(${headers} PROPERTIES POSITION_INDEPENDENT_CODE ${independent} CXX_EXTENSIONS OFF)
+    target_link_libraries(${headers} PRIVATE Haptos::trilinos Haptos::eigen haptos_warnings)
+    target_precompile_headers(${headers} PRIVATE <Eigen/SparseCore> <Teuchos_CommHelpers.hpp> <Teuchos_ParameterList.hpp> <Teuchos_RCP.hpp>
       <Tpetra_MultiVector.hpp> <algorithm> <cmath> <functional> <map> <optional> <string> <vector>)
   endif()
-  target_precompile_headers(${target} REUSE_FROM haptos_headers)
+  target_precompile_headers(${target} REUSE_FROM ${headers})
 endfunction()
 
 # haptos_add_package(<name> HEADERS ... PRIVATE_HEADERS ... SOURCES ... DEPENDS ... [PRIVATE_DEPENDS ...])
@@ -32,7 +32,7 @@ function(haptos_add_package name)
   target_include_directories(haptos_${name} PUBLIC
     $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src> $<INSTALL_INTERFACE:include/haptos>)
   target_link_libraries(haptos_${name} PUBLIC ${arg_DEPENDS} PRIVATE ${arg_PRIVATE_DEPENDS} haptos_warnings)
-  haptos_precompile(haptos_${name})
+  haptos_precompile(haptos_${name} haptos_headers ON)
   install(TARGETS haptos_${name} EXPORT HaptosTargets ARCHIVE DESTINATION lib LIBRARY DESTINATION lib)
   install(FILES ${arg_HEADERS} DESTINATION include/haptos)
   set_property(GLOBAL APPEND PROPERTY HAPTOS_PACKAGES ${name})
@@ -87,6 +87,7 @@ function(haptos_add_test name)
   add_executable(test_${name} ${arg_SOURCES} $<TARGET_OBJECTS:haptos_unit_test_main>)
   set_target_properties(test_${name} PROPERTIES CXX_EXTENSIONS OFF)
   target_link_libraries(test_${name} PRIVATE ${arg_DEPENDS} haptos_test_dense Haptos::trilinos haptos_warnings)
+  haptos_precompile(test_${name} haptos_test_headers OFF)
   foreach(ranks IN LISTS arg_RANKS)
     haptos_add_run(${name}_np${ranks} COMMAND ${HAPTOS_MPIRUN} -n ${ranks} $<TARGET_FILE:test_${name}> ${arg_ARGS}
                    TEXT "End Result: TEST PASSED" RANKS ${ranks} LABELS "${arg_LABELS}" TIMEOUT ${arg_TIMEOUT})

@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """The summary's keys and types, and the program's ways to say something without solving."""
+import os
+import pathlib
+import platform
 import subprocess
 
 import haptos_runs
@@ -55,6 +58,20 @@ class Summary(SceneTest):
             else:
                 self.assertIsInstance(found[key], kind, f"{path}/{key}")
                 self.assertNotIsInstance(found[key], bool, f"{path}/{key}")
+
+    # An OpenBLAS that does not know the processor takes kernels without AVX; the program has it take others, and the user has the last word.
+    def test_kernels_of_the_processor(self):
+        blas = self.solve(stack())["machine"]["blas"]
+        cpu = pathlib.Path("/proc/cpuinfo")
+        if "OpenBLAS" in blas and cpu.exists() and {"avx2", "fma"} <= set(cpu.read_text().split()):
+            self.assertNotIn("Prescott", blas)
+        os.environ["OPENBLAS_CORETYPE"] = "Prescott"
+        try:
+            blas = self.solve(stack())["machine"]["blas"]
+        finally:
+            del os.environ["OPENBLAS_CORETYPE"]
+        if "DYNAMIC_ARCH" in blas and platform.machine() == "x86_64":
+            self.assertIn("Prescott", blas)
 
     def test_every_key(self):
         for ranks in (1, 3):

@@ -98,6 +98,21 @@ TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
   }
 }
 
+// After one step of Newton's a path is followed to the end if the step left more of the law than asked, and none if not.
+TEUCHOS_UNIT_TEST(CondensedContact, FollowsAPathOnlyWhereNewtonLeavesTooMuch) {
+  const Scene t(false);
+  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense);
+  const auto leftWith = [&](double pathFrom) {
+    SubspaceNewtonOptions::Condensed options;
+    options.reduction = 1e-8, options.newtonSteps = 1, options.pathFrom = pathFrom;
+    return CondensedContact(t.dual.M, matrix, options).solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS).left;
+  };
+  const double left = leftWith(1);
+  TEST_COMPARE(left, >, 1e-4);
+  TEST_EQUALITY(leftWith(1.01 * left), left);
+  TEST_COMPARE(leftWith(0.99 * left), <, 1e-5);
+}
+
 // The next model begins where the last one was solved: what is solved already is solved closer, and costs less than from where nothing moves.
 TEUCHOS_UNIT_TEST(CondensedContact, BeginsWhereTheLastModelWasSolved) {
   const Scene t(false);
