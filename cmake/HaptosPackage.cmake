@@ -9,7 +9,7 @@ function(haptos_precompile target headers independent)
     return()
   endif()
   if(NOT TARGET ${headers})
-    file(WRITE ${PROJECT_BINARY_DIR}/${headers}.cpp "")
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/${headers}.cpp CONTENT "")  # untouched when configured again
     add_library(${headers} OBJECT ${PROJECT_BINARY_DIR}/${headers}.cpp)
     set_target_properties(${headers} PROPERTIES POSITION_INDEPENDENT_CODE ${independent} CXX_EXTENSIONS OFF)
     target_link_libraries(${headers} PRIVATE Haptos::trilinos Haptos::eigen haptos_warnings)

@@ -164,7 +164,7 @@ void DenseCholesky::solve(Eigen::Ref<Eigen::MatrixXd> B) const {
   if (B.size() == 0) return;
   const int n = int(n_);
   if (packed_.empty() && B.cols() == 1) {
-    for (const bool transposed : {false, true}) Blas::trsv(transposed, n, full_.data(), n, B.data());
+    for (const bool transposed : {false, true}) Blas::trsv(transposed, n, full_.data(), B.data());
     return;
   }
   if (packed_.empty()) {

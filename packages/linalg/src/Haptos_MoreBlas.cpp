@@ -39,7 +39,7 @@ void syr2k(int n, int k, double alpha, const double* A, int lda, const double* B
   dsyr2k_("L", "N", &n, &k, &alpha, A, &lda, B, &ldb, &one, C, &ldc);
 }
 
-void trsv(bool transposed, int n, const double* L, int lda, double* x) { dtrsv_("L", transposition(transposed), "N", &n, L, &lda, x, &kOne); }
+void trsv(bool transposed, int n, const double* L, double* x) { dtrsv_("L", transposition(transposed), "N", &n, L, &n, x, &kOne); }
 
 void tpsv(bool transposed, int n, const double* L, double* x) { dtpsv_("L", transposition(transposed), "N", &n, L, x, &kOne); }
 

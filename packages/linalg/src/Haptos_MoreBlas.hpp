@@ -13,7 +13,7 @@ void spmv(int n, const float* A, const float* x, float* y);
 void syr2k(int n, int k, double alpha, const double* A, int lda, const double* B, int ldb, double* C, int ldc);
 
 // x := L^-1 x, or L^-T x if transposed, L [n x n]
-void trsv(bool transposed, int n, const double* L, int lda, double* x);
+void trsv(bool transposed, int n, const double* L, double* x);
 
 // The same, L packed
 void tpsv(bool transposed, int n, const double* L, double* x);

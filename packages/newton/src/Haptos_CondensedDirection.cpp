@@ -27,8 +27,8 @@ std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& defla
   return [between = deflated.between, rows] { return between(rows); };
 }
 
-SubspaceNewtonOptions::Condensed withReduction(SubspaceNewtonOptions::Condensed options, bool slender) {
-  if (slender) options.reduction = options.reductionSlender, options.pathFrom = options.pathFromSlender;
+SubspaceNewtonOptions::Condensed forSubdomains(SubspaceNewtonOptions::Condensed options, bool slender) {
+  if (slender) options.reduction = options.pathFrom = options.reductionSlender;
   return options;
 }
 
@@ -41,7 +41,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
     : balance_(balance),
       matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), contactJumps(balance)}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
-      contact_(deflated.M, matrix_, withReduction(options, deflated.contactM.is_null())),
+      contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(without) {
   if (!deflated.contactM.is_null()) return;
   // A pinned pair feels nothing; its r is free, but must be a number.

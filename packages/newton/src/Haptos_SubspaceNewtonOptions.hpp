@@ -122,10 +122,9 @@ struct SubspaceNewtonOptions {
     int rowsOfStep = 40;  ///< decisions/040
     /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.
     int pathSteps = 40;
-    /// Of phi that Newton's method must leave for a path: an F leaves as much of the model as 1e-1. The bound 1e-2 took 418 factorisations of 1974 rows
-    /// in one scene instead of 93, and as many F; .3 took up to five F more in others (decisions/044).
+    /// Of phi that Newton's method must leave for a path; `reductionSlender` where subdomains are slender.  An F leaves a tenth and more of the law: with
+    /// 1e-2 one scene took 50 s instead of 15 and as many F, .3 took up to five F more in others (decisions/044).
     double pathFrom = 0.1;
-    double pathFromSlender = 1e-9;  ///< as `reductionSlender`
     /// Its matrices add up to 1e6 times M to some rows: 1e-2 lost the path, 1e-4 the last digits.
     double pathLinearTolerance = 1e-6;
     /// Of l . y that a step aims at: after a long step (of the way to the full one), after a short one.
