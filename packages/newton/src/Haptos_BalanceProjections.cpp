@@ -16,14 +16,6 @@ Eigen::VectorXd markGluingRows(const DualVectors& vectors) {
 
 std::vector<double> listOf(const Eigen::VectorXd& x) { return {x.data(), x.data() + x.size()}; }
 
-// Contact values without those of rows that never carry a force: a motion along them is answered by nothing.
-Eigen::VectorXd carried(Eigen::VectorXd values, const std::vector<PairLaw>& pairs) {
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    for (int t = 0; t < 2; ++t)
-      if (!pairs[i].frictional() || pairs[i].coefficients[t] == 0) values[3 * Eigen::Index(i) + 1 + t] = 0;
-  return values;
-}
-
 // Orthonormal combinations of motions whose jumps H [3 pairs x k] some force answers; others may stay what they are.
 Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors) {
   constexpr double kUnfelt = 1e-10;  // of the largest eigenvalue; a single node gives about 1, round-off 1e-30
@@ -38,6 +30,13 @@ Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors
 
 }  // namespace
 
+Eigen::MatrixXd carriedRows(Eigen::MatrixXd values, const std::vector<PairLaw>& pairs) {
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    for (int t = 0; t < 2; ++t)
+      if (!pairs[i].frictional() || pairs[i].coefficients[t] == 0) values.row(3 * Eigen::Index(i) + 1 + t).setZero();
+  return values;
+}
+
 // EE = G_E G_E^T, singular in the motions that contact alone holds: there with holds.  Where G G^T was made with contact rows as
 // its changing part, it is G G^T without that part and shares the elimination.
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
@@ -48,13 +47,18 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   Zk_.resize(coarseSize_, k);  // orthonormal: what is projected off a below is Zk Zk^T a
   if (k > 0) Zk_ = orthonormalBasis(dual.motions);
   jumps_ = *dual.GT * Zk_;
-  H_.resize(3 * vectors.numPairs(), k);
-  for (Eigen::Index j = 0; j < k; ++j) H_.col(j) = carried(vectors.contact(jumps_.col(j)), dual.pairs);
+  H_ = carriedRows(contactMotions(), dual.pairs);
   if (k == 0) return;
   const Eigen::MatrixXd felt = feltMotions(H_, vectors);
   jumps_ *= felt;
   H_ *= felt;
   load_ = felt.transpose() * (Zk_.transpose() * dual.e);
+}
+
+Eigen::MatrixXd GluingBalance::contactMotions() const {
+  Eigen::MatrixXd motions(3 * vectors_.numPairs(), Zk_.cols());
+  for (Eigen::Index j = 0; j < motions.cols(); ++j) motions.col(j) = vectors_.contact(*dual_.GT * Zk_.col(j));
+  return motions;
 }
 
 Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {

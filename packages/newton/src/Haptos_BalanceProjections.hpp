@@ -8,6 +8,10 @@
 
 namespace Haptos {
 
+/// \brief Contact values without those of rows that never carry a force: a motion along them is answered by nothing.
+/// \param values [3 pairs x m]
+Eigen::MatrixXd carriedRows(Eigen::MatrixXd values, const std::vector<PairLaw>& pairs);
+
 /// \brief Keeps multipliers in balance and jumps free of rigid parts, by the gluing rows alone.
 ///
 /// G_E are the columns of G for gluing and Dirichlet rows.  Motions of whole bodies that these rows do not feel
@@ -39,6 +43,8 @@ class GluingBalance {
   Eigen::Index numFloating() const { return jumps_.cols(); }  ///< k, those that are felt
   const Eigen::MatrixXd& H() const { return H_; }            ///< [3 pairs x k] contact values of the floating motions
   const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk V
+  /// \brief [3 pairs x those of Zk] contact jumps of all floating motions, also of those that are not felt.
+  Eigen::MatrixXd contactMotions() const;
   const Eigen::VectorXd& load() const { return load_; }      ///< [k] (Zk V)^T e
   const CoarseProblem::Holds& holds() const { return dual_.holds; }
 

@@ -167,7 +167,7 @@ void BalancedDirection::holdFloatingBodies(const LawLinearization& law, Eigen::V
 
 // v = z with contact values as the law wants them and G v = 0: in turn the residual without its rigid part, the preconditioner with
 // slip, the law, the balance that the law disturbs, the motions that contact alone holds, the gluing rows.
-Direction BalancedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target) {
+Direction BalancedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) {
   prepare(pairs, law);
   Eigen::VectorXd r = residual(pairs, law, point);
   coarse_->projectDual(r);                       // r := r - G_A^T a,   G_A D r = 0

@@ -20,7 +20,7 @@ class BalancedDirection final : public NewtonDirection {
   BalancedDirection(const ContactOperators& dual, const Eigen::VectorXd& diagonalOfM, const DualVectors& vectors,
                     const GluingBalance& balance, const SubspaceNewtonOptions::Balanced& options);
 
-  Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target target) override;
+  Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) override;
 
   /// \brief The preconditioner's nodal stiffness on normal rows, its median over all pairs, the same for each.
   const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }

@@ -112,15 +112,6 @@ struct CondensedContact::Model {
   }
 };
 
-// - phi - A m
-Eigen::VectorXd CondensedContact::solveLinearized(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const {
-  const ContactMatrix::Blocks A = blocksOfA(law);
-  const Eigen::VectorXd m = forcesOfGluing(s);
-  Eigen::VectorXd rhs = -phi;
-  for (std::size_t i = 0; i < A.size(); ++i) rhs.segment<3>(3 * Eigen::Index(i)) -= A[i] * m.segment<3>(3 * Eigen::Index(i));
-  return response(s, contact_.solve(A, law.dP, rhs, options_.linearTolerance));
-}
-
 // sigma = 0, nothing moves, is where Newton starts.
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
                                                  const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {

@@ -13,17 +13,13 @@ namespace Haptos {
 /// A direction z = M (s_E, sigma) closes the jumps s_E of the gluing rows and changes those of contact by -sigma.
 /// With M_cc, M between contact rows, sigma obeys the law itself,
 ///
-///   phi(lambda_c + m + M_cc sigma, s_c - sigma) = 0,   m = (M s_E)_c,
+///   phi(lambda_c + m + M_cc sigma, s_c - sigma) = 0,   m = (M s_E)_c.
 ///
-/// or its linearisation (A M_cc - B) sigma = -phi - A m with A = (I - P') / r, B = -P'.  Open pairs, slip directions
-/// and all couplings are in it; nothing is left to be balanced.
+/// Open pairs, slip directions and all couplings are in it; nothing is left to be balanced.
 class CondensedContact {
  public:
   /// \param contact between contact rows and on those alone; kept by reference
   CondensedContact(RCP<const Operator> M, const ContactMatrix& contact, SubspaceNewtonOptions::Condensed options = {});
-
-  /// \brief Solves the linearised law.  \param s its gluing rows are read, \param phi [3 pairs].  Collective.
-  Eigen::VectorXd solveLinearized(const LawLinearization& law, const Eigen::VectorXd& s, const Eigen::VectorXd& phi) const;
 
   struct Step {
     Eigen::VectorXd z;      ///< [rows] multipliers

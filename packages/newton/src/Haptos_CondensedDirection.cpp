@@ -12,13 +12,6 @@ RCP<const Operator> contactRowsOf(const ContactOperators::Deflated& deflated, co
   return deflated.contactM.is_null() ? contactBlockOf(deflated.M, dual.pairs) : deflated.contactM;
 }
 
-// Jumps of contact that the motions of floating bodies cause, [3 pairs x k].
-Eigen::MatrixXd contactJumps(const GluingBalance& balance) {
-  Eigen::MatrixXd jumps(3 * balance.vectors().numPairs(), balance.numFloating());
-  for (Eigen::Index j = 0; j < jumps.cols(); ++j) jumps.col(j) = balance.vectors().contact(balance.jumps().col(j));
-  return jumps;
-}
-
 // Rows of the contact values in their order, three a pair.
 std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
   if (!deflated.between || !deflated.contactM.is_null()) return {};
@@ -39,7 +32,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
-      matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), contactJumps(balance)}, balance.vectors(),
+      matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions()}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(without) {
@@ -65,17 +58,11 @@ void CondensedDirection::holdFloatingBodies(Eigen::VectorXd& v) const {
   vectors.setContact(v, contact);
 }
 
-Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point,
-                                      Target target) {
+// sigma solves the law at s_c - sigma, so v is a step as it stands.
+Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) {
   constexpr double kLeadsOn = 0.5;  // of phi: where the law is not even half solved, the state is beyond help
-  Direction direction;
-  if (target == Target::Law) {
-    // sigma solves the law at s_c - sigma, so v is a step as it stands
-    CondensedContact::Step step = contact_.solveLaw(pairs, law.r, point.lambda, point.s);
-    direction = {std::move(step.z), true, -step.sigma, step.left <= kLeadsOn};
-  } else {
-    direction.v = contact_.solveLinearized(law, point.s, point.phi);
-  }
+  CondensedContact::Step step = contact_.solveLaw(pairs, law.r, point.lambda, point.s);
+  Direction direction{std::move(step.z), true, -step.sigma, step.left <= kLeadsOn};
   holdFloatingBodies(direction.v);
   balance_.balance(direction.v);
   return direction;

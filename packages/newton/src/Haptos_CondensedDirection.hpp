@@ -6,7 +6,7 @@
 
 namespace Haptos {
 
-/// \brief Directions from the problem condensed to the contact rows: z = M_Z (s_E, sigma), sigma by the law or its linearisation.
+/// \brief Directions from the problem condensed to the contact rows: z = M_Z (s_E, sigma), sigma by the law.
 ///
 /// G M_Z = 0 up to the holds and round-off of M_Z; contact rows take what is left of floating motions, gluing rows the rest.
 class CondensedDirection final : public NewtonDirection {
@@ -16,7 +16,7 @@ class CondensedDirection final : public NewtonDirection {
   CondensedDirection(const ContactOperators::Deflated& deflated, const ContactOperators& dual, const GluingBalance& balance,
                      const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without, const SubspaceNewtonOptions::Condensed& options);
 
-  Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point, Target target) override;
+  Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) override;
 
   /// \brief 1 / (normal compliance of the pair, the others open), where M is a dense matrix; else as without this direction.
   const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }

@@ -25,14 +25,10 @@ struct Direction {
 /// \brief How a pair of the subspace is made from the residual of the law: the strategy of the subspace Newton method.
 class NewtonDirection {
  public:
-  /// Of what the residual is to vanish: the linearisation given, or the law itself where a strategy can do that.
-  enum class Target { Linearization, Law };
-
   virtual ~NewtonDirection() = default;
 
-  /// \param pairs, law this rank's.  Collective.
-  virtual Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point,
-                            Target target) = 0;
+  /// For the law itself, or for its linearisation at this r where a strategy can do no more.  \param pairs, law this rank's.  Collective.
+  virtual Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) = 0;
 
   /// \brief What r of the law is measured by [pairs], the stiffness that a pair feels [force/length].
   virtual const Eigen::VectorXd& pairStiffness() const = 0;

@@ -14,7 +14,8 @@
 //   min over y of || (s_E + S_E y, phi(lambda_c + V_c y, s_c + S_c y)) ||     Gauss-Newton: `SubspaceDescent`
 //   (lambda, s) := (lambda + V y, s + S y)
 //
-// Where the residual hardly falls: another r, then directions for one frozen linearisation, then condensed directions.
+// Where the residual hardly falls: another r, then directions for one frozen linearisation, then condensed directions, with one r after
+// the other.
 namespace Haptos {
 
 SubspaceNewtonIter::SubspaceNewtonIter(const Parts& parts, Eigen::VectorXd r, const SubspaceNewtonOptions::Steps& options)
@@ -51,8 +52,7 @@ void SubspaceNewtonIter::makeRoom(const Eigen::VectorXd& dLambda, const Eigen::V
 void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state) {
   const Eigen::VectorXd lambda = state.lambda + dLambda, s = state.s + dS;
   const Eigen::VectorXd phi = law_.phi + law_.multiply(vectors_.contact(dLambda), vectors_.contact(dS));
-  const auto target = linear_ ? NewtonDirection::Target::Linearization : NewtonDirection::Target::Law;
-  const Direction direction = directions_.current().compute(*pairs_, law_, {lambda, s, phi}, target);
+  const Direction direction = directions_.current().compute(*pairs_, law_, {lambda, s, phi});
   hopeless_ = direction.leadsOn ? 0 : hopeless_ + 1;
   Eigen::VectorXd sv = -vectors_.apply(*dual_.F, direction.v);  // the only F of a step
   balance_.removeRigidPart(sv);
@@ -64,13 +64,14 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
 }
 
 // The whole step of the last direction, with the motions a of floating bodies that bring the contact jumps nearest to what it is
-// for: min || H a + length S_v - jumpChange ||, the pair being scaled to length 1.
+// for: min || H a + length S_v - jumpChange ||, the pair being scaled to length 1.  H without rows that never carry a force: a model may
+// slide along them as far as it likes, by motions that are none of a, and would turn those that are.
 void SubspaceNewtonIter::planStep(double length, const Eigen::VectorXd& jumpChange) {
   const Eigen::Index m = subspace_.size(), k = balance_.numFloating();
   step_ = Eigen::VectorXd::Zero(m);
   step_[m - 1] = length;
   if (k == 0) return;
-  const auto H = subspace_.Sc().leftCols(k);
+  const Eigen::MatrixXd H = carriedRows(subspace_.Sc().leftCols(k), *pairs_);
   Eigen::MatrixXd sums(k, k + 1);
   sums << H.transpose() * H, H.transpose() * (jumpChange - length * subspace_.Sc().col(m - 1));
   vectors_.sum(sums);
@@ -132,17 +133,19 @@ bool SubspaceNewtonIter::isNearlyThere(const NewtonLimits& limits) const {
 
 bool SubspaceNewtonIter::hasMorePenalties() const { return penaltyTried_ + 1 < int(options_.penalties.size()); }
 
-// The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps.
+void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
+  penaltyTried_ = tried;
+  r_ = baseR_ * options_.penalties[std::size_t(tried)];
+  linearize(state);
+  bestNorm_ = halved_ = std::numeric_limits<double>::infinity();  // phi with another r cannot be compared
+}
+
+// The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps; condensed
+// directions are made for the law itself, which no frozen linearisation betters: their r's begin again (decisions/045).
 void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   window_.clear();
-  const bool another = hasMorePenalties();
-  ++penaltyTried_;
-  if (another) {
-    r_ = baseR_ * options_.penalties[std::size_t(penaltyTried_)];
-    linearize(state);
-    bestNorm_ = halved_ = std::numeric_limits<double>::infinity();  // phi with another r cannot be compared
-    return;
-  }
+  if (hasMorePenalties()) return takePenalty(penaltyTried_ + 1, state);
+  if (directions_.isCondensed()) return takePenalty(0, state);
   linear_ = true;
   goodSteps_ = 0;
   halvedAt_ = applications();  // an inexact Newton step needs many directions before it pays

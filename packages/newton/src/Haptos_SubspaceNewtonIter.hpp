@@ -70,6 +70,7 @@ class SubspaceNewtonIter {
   bool hasMorePenalties() const;
   bool isPoor() const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
+  void takePenalty(int tried, const NewtonState& state);
   long applications() const { return dual_.F->applications() - firstApplication_; }
 
   const ContactOperators& dual_;

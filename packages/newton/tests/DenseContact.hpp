@@ -20,11 +20,11 @@ struct DenseContact {
   std::array<double, 2> friction;
 };
 
-inline DenseContact makeContact(int groups, int gluing, bool floating, unsigned seed) {
+inline DenseContact makeContact(int groups, int gluing, bool floating, unsigned seed, std::array<double, 2> friction = {0.8, 0.4}) {
   DenseContact d;
   d.layout = makeRandomProblem(groups, gluing, 0, 1e-2, seed);
   d.F = d.layout.A;
-  d.friction = {0.8, 0.4};
+  d.friction = friction;
   std::mt19937 rng(seed + 100);
   std::normal_distribution<double> normal;
   const auto random = [&](Eigen::Index r, Eigen::Index c) {
@@ -48,7 +48,10 @@ inline DenseContact makeContact(int groups, int gluing, bool floating, unsigned 
     }
   }
   DenseVector inside = random(n, 1);  // multipliers well inside the cones carry the load
-  for (int i = 0; i < groups; ++i) inside.segment<3>(3 * i) = Eigen::Vector3d(2.0, 0.1 * inside[3 * i + 1], 0.1 * inside[3 * i + 2]);
+  for (int i = 0; i < groups; ++i) {
+    inside[3 * i] = 2.0;
+    for (int t = 0; t < 2; ++t) inside[3 * i + 1 + t] *= friction[std::size_t(t)] > 0 ? 0.1 : 0.0;
+  }
   d.e = d.GT.transpose() * inside;
   DenseVector push = random(n, 1);
   for (int i = 0; i < groups; ++i) push.segment<2>(3 * i + 1) *= 0.2;  // so that some pairs stick

@@ -80,6 +80,22 @@ TEUCHOS_UNIT_TEST(GluingBalance, FloatingMotionsAreThoseOfContact) {
   TEST_COMPARE((ours - dense).norm(), <, 1e-10 * dense.norm());
 }
 
+// Without friction along T1 a slide along it is felt by nothing, and is a motion all the same.
+TEUCHOS_UNIT_TEST(GluingBalance, MotionsThatNoForceAnswersAreLeftAlone) {
+  Setup setup(makeContact(kGroups, kGluing, true, 5, {0.0, 0.4}));
+  const ContactOperators& dual = setup.problem->operators();
+  const DualVectors vectors(setup.map, dual.pairs, dual.gluingRows);
+  const GluingBalance balance(dual, vectors);
+  TEST_EQUALITY(balance.numFloating(), 5);
+  Eigen::MatrixXd all = balance.contactMotions(), sums = all.transpose() * all;
+  TEST_EQUALITY(all.cols(), 6);
+  vectors.sum(sums);
+  TEST_COMPARE(Testing::symmetricEigenvalues(sums)[0], >, 0.1);  // independent
+  // the rows that friction answers, of values 1
+  Eigen::MatrixXd rows = carriedRows(Eigen::MatrixXd::Ones(3 * vectors.numPairs(), 1), dual.pairs);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) TEST_EQUALITY(rows(i, 0), i % 3 == 1 ? 0.0 : 1.0);
+}
+
 // With all pairs open the projection knows gluing rows alone; with all stuck every row.
 TEUCHOS_UNIT_TEST(ActiveCoarseProjection, ResidualsLoseTheirRigidPart) {
   Parts t(kGroups, kGluing, false);

@@ -64,23 +64,6 @@ TEUCHOS_UNIT_TEST(CompliantPreconditioner, IsTheInverseOfFlexibilityAndComplianc
   TEST_COMPARE(t.difference(stuck.apply(t.local(b)), t.setup.d.M * b), <, 1e-13);
 }
 
-TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLinearisedLaw) {
-  for (const auto kind : kKinds) {
-    const Scene t(false);
-    const ContactMatrix matrix = contactMatrix(t, kind);
-    SubspaceNewtonOptions::Condensed options;
-    options.linearTolerance = 1e-13;
-    CondensedContact condensed(t.dual.M, matrix, options);
-    const DenseMatrix Mcc = t.contactM();
-    const DenseMatrix I = DenseMatrix::Identity(3 * kGroups, 3 * kGroups);
-    const DenseVector rhs = -t.wholeLaw.phi - t.wholeLaw.multiply(t.forcesOfGluing(), DenseVector::Zero(3 * kGroups));
-    const DenseVector sigma = Testing::luSolve(t.wholeLaw.multiply(Mcc, -I), rhs);
-    DenseVector jumps = t.s;
-    jumps.head(3 * kGroups) = sigma;
-    TEST_COMPARE(t.difference(condensed.solveLinearized(t.law, t.myS, t.law.phi), t.setup.d.M * jumps), <, 1e-9);
-  }
-}
-
 TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
   for (const auto kind : kKinds) {
     const Scene t(false);
@@ -138,10 +121,8 @@ TEUCHOS_UNIT_TEST(CondensedDirection, IsBalancedByAnyM) {
     CondensedDirection condensed({t.dual.M, t.dual.contactM}, t.dual, t.balance, diagonal, t.r, {});
     const DenseVector any = numbers(t.GT.rows(), 0.2);
     TEST_COMPARE((t.GT.transpose() * t.setup.d.M * any).norm(), >, 1e-2 * (t.setup.d.M * any).norm());  // M does not do it
-    for (const auto target : {NewtonDirection::Target::Law, NewtonDirection::Target::Linearization}) {
-      const Eigen::VectorXd v = condensed.compute(t.dual.pairs, t.law, {t.myLambda, t.myS, t.law.phi}, target).v;
-      TEST_COMPARE(t.balance.applyG(v).norm(), <, 1e-11 * t.vectors.norm(v));
-    }
+    const Eigen::VectorXd v = condensed.compute(t.dual.pairs, t.law, {t.myLambda, t.myS, t.law.phi}).v;
+    TEST_COMPARE(t.balance.applyG(v).norm(), <, 1e-11 * t.vectors.norm(v));
   }
 }
 
@@ -205,7 +186,7 @@ TEUCHOS_UNIT_TEST(BalancedDirection, IsBalancedAndFollowsTheLaw) {
     const Scene t(floating);
     BalancedDirection balanced(t.dual, t.local(t.setup.d.M.diagonal()), t.vectors, t.balance, {});
     const DirectionPoint point{t.myLambda, t.myS, t.law.phi};
-    const Direction direction = balanced.compute(t.dual.pairs, t.law, point, NewtonDirection::Target::Law);
+    const Direction direction = balanced.compute(t.dual.pairs, t.law, point);
     TEST_ASSERT(!direction.isWhole);
     const DenseVector v = t.global(direction.v);
     TEST_COMPARE((t.GT.transpose() * v).norm(), <, 1e-8 * v.norm());

@@ -214,6 +214,25 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
     }
 }
 
+// A model of a body that one direction leaves free may slide it along there as far as it likes: that must not turn what friction holds.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, OneCoefficientMayBeZero) {
+  for (const std::array<double, 2> friction : {std::array{0.0, 0.4}, {0.8, 0.0}}) {
+    Setup t(makeContact(40, 30, true, 4, friction));
+    ContactOperators o = t.operators();
+    o.makeDeflatedM = [&]() -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.needsDeflatedM = true;
+    Manager manager;
+    manager.setParameters(withTolerance(1e-9));
+    manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+    TEST_EQUALITY(manager.solve(), Belos::Converged);
+    const Kkt kkt = measure(t, manager);
+    out << "error " << kkt.error << ", applications " << t.F->applications << ", open " << kkt.open << " slip " << kkt.slip << " stick " << kkt.stick << "\n";
+    TEST_COMPARE(kkt.error, <=, 1e-6);
+    TEST_ASSERT(kkt.open > 0 && kkt.slip > 3);
+    TEST_COMPARE(t.F->applications, <=, 6);
+  }
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, FewPairsGiveTheSameAnswer) {
   for (const bool floating : {false, true}) {
     Setup all(makeContact(40, 30, floating, 2)), few(makeContact(40, 30, floating, 2));
