@@ -29,6 +29,15 @@ void forEachCoefficient(const Axes& axis, const std::vector<PairNode>& nodes, Vi
       if (!node.isPrescribed[std::size_t(d)] && std::abs(axis[std::size_t(d)]) >= 1e-12) visit(node, d, axis[std::size_t(d)] * node.weight);
 }
 
+// The unknowns of a coupling: its rows, or for all three rows of a pair the same in global axes.
+constexpr std::array<std::array<double, 3>, 3> kGlobal{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+
+template <class Rows, class Axes>
+bool isTurned(const Rows& rows, const Axes& axes) {
+  return std::all_of(rows.begin(), rows.end(), [](auto row) { return row >= 0; }) &&
+         std::none_of(axes.begin(), axes.end(), [](const auto& axis) { return axis == Vec3::Array{}; });
+}
+
 // Scaled to unit diagonal, where eigenvalues below 1e-10 are rows that depend on others: these get nothing.
 Eigen::MatrixXd pseudoInverse(Eigen::MatrixXd A) {
   constexpr double kDependent = 1e-10;
@@ -158,6 +167,7 @@ std::vector<CouplingGram::Group> CouplingGram::findLocalGroups() const {
 // Dense S of a group, and what of C its nodes with gluing rows have.
 void CouplingGram::invertGroups(const std::vector<Group>& groups) {
   const Eigen::Index n = Eigen::Index(rows_.size());
+  rowDiagonal_ = Eigen::VectorXd::Zero(n);
   nodeDiagonal_ = Eigen::VectorXd::Zero(3 * Eigen::Index(nodes_.size()));
   std::vector<Eigen::Triplet<double>> inverse, coefficients;
   for (const Group& group : groups) {
@@ -169,9 +179,8 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups) {
       if (column.node->owner < 0) continue;
       const int place = 3 * positionOfNode(unknown.first) + unknown.second;
       for (const auto& [i, a] : column.entries) coefficients.emplace_back(group.rows[std::size_t(i)], place, a);
-      for (const auto& [i, a] : column.entries)
-        for (const auto& [j, b] : column.entries) nodeDiagonal_[place] += a * dense(i, j) * b;
     }
+    for (const Coupling* coupling : group.couplings) addDiagonals(*coupling);
     const double negligible = 1e-15 * dense.cwiseAbs().maxCoeff();
     for (int i = 0; i < rows; ++i)
       for (int j = 0; j < rows; ++j)
@@ -181,7 +190,24 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups) {
   inverse_.setFromTriplets(inverse.begin(), inverse.end());
   C_.resize(n, nodeDiagonal_.size());
   C_.setFromTriplets(coefficients.begin(), coefficients.end());
-  rowDiagonal_ = inverse_.diagonal();
+}
+
+// Of one over the diagonal of S, as a factor has it: which rows are inverted depends on the ranks and on how many meet, and r of the law comes
+// from here.
+void CouplingGram::addDiagonals(const Coupling& coupling) {
+  const bool turned = isTurned(coupling.rows, coupling.axes);
+  const auto& axes = turned ? kGlobal : coupling.axes;
+  for (std::size_t u = 0; u < 3; ++u) {
+    double sum = 0;
+    forEachCoefficient(axes[u], coupling.nodes, [&](const PairNode& node, int, double value) { sum += value * value * weightOf(node); });
+    if (!turned && coupling.rows[u] < 0) continue;
+    const double inverse = sum > 0 ? 1 / sum : 0.0;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (turned || a == u) rowDiagonal_[positionOfRow(coupling.rows[a])] += inverse * (turned ? coupling.axes[a][u] * coupling.axes[a][u] : 1.0);
+    forEachCoefficient(axes[u], coupling.nodes, [&](const PairNode& node, int d, double value) {
+      if (node.owner >= 0) nodeDiagonal_[3 * positionOfNode(node.node) + d] += value * value * inverse;
+    });
+  }
 }
 
 // [couplings] rank that has the factor; -1: inverted
@@ -222,7 +248,7 @@ void CouplingGram::holdFactors(const std::vector<int>& holders) {
   transfer_ = makeTransfer(ends);
 }
 
-// Unknowns are the rows, or for all three rows of a pair the same in global axes: x_d = sum over rows axes[a][d] x_a.
+// Where a pair is turned, x_d = sum over rows axes[a][d] x_a.
 void CouplingGram::factorHeld(const Held& held) {
   std::vector<Eigen::Triplet<double>> turn, coefficients, ofNodes;
   std::map<std::pair<std::int64_t, int>, int> columns;
@@ -240,14 +266,12 @@ void CouplingGram::factorHeld(const Held& held) {
     ++unknowns;
   };
   for (const auto& item : held.items) {
-    const bool isTurned = std::all_of(item.rows.begin(), item.rows.end(), [](GlobalOrdinal r) { return r >= 0; }) &&
-                          std::none_of(item.axes.begin(), item.axes.end(), [](const auto& axis) { return axis == Vec3::Array{}; });
-    const std::array<std::array<double, 3>, 3> global{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    const bool turned = isTurned(item.rows, item.axes);
     for (std::size_t a = 0; a < 3; ++a) {
       if (item.rows[a] < 0) continue;
-      if (!isTurned) turn.emplace_back(unknowns, row, 1.0);
-      for (int d = 0; d < 3 && isTurned; ++d) turn.emplace_back(unknowns - int(a) + d, row, item.axes[a][std::size_t(d)]);
-      addUnknown(isTurned ? global[a] : item.axes[a], item.nodes);
+      if (!turned) turn.emplace_back(unknowns, row, 1.0);
+      for (int d = 0; d < 3 && turned; ++d) turn.emplace_back(unknowns - int(a) + d, row, item.axes[a][std::size_t(d)]);
+      addUnknown(turned ? kGlobal[a] : item.axes[a], item.nodes);
       ++row;
     }
   }
@@ -327,7 +351,7 @@ void CouplingGram::Transfer::scatter(const Eigen::VectorXd& held, Eigen::VectorX
   for (std::size_t i = 0; i < mine.size(); ++i) own[mine[i]] = data[Teuchos_Ordinal(i)];
 }
 
-// Of one over the diagonal of S, in the unknowns of the factor.
+// As `addDiagonals`.
 void CouplingGram::setHeldDiagonals() {
   Eigen::VectorXd inverse = heldDiagonal_;
   for (auto& value : inverse) value = value > 0 ? 1 / value : 0.0;

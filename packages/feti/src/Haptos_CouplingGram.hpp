@@ -29,7 +29,7 @@ class CouplingGram {
   /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows()], z [3 nodes()].  Collective where rows meet across ranks.
   void solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const;
 
-  /// \name Diagonals of S^-1 and of C^T S^-1 C, of one over S's for rows of a sparse factor.
+  /// \name Diagonals of S^-1 and of C^T S^-1 C with one over S's diagonal for S^-1: the same on any number of ranks.
   /// @{
   const Eigen::VectorXd& rowDiagonal() const { return rowDiagonal_; }
   const Eigen::VectorXd& nodeDiagonal() const { return nodeDiagonal_; }
@@ -59,6 +59,7 @@ class CouplingGram {
   void findRowsAndNodes();
   std::vector<Group> findLocalGroups() const;
   void invertGroups(const std::vector<Group>& groups);
+  void addDiagonals(const Coupling& coupling);
   std::vector<int> findHolders(const std::vector<Group>& groups) const;
   void holdFactors(const std::vector<int>& holders);
   void factorHeld(const Held& held);

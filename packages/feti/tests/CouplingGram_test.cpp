@@ -2,6 +2,7 @@
 // Pairs of lists of nodes on several ranks, against dense matrices that know neither lists nor ranks.
 #include "Haptos_CouplingGram.hpp"
 
+#include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
 #include <set>
@@ -76,6 +77,18 @@ void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& succ
   const Eigen::VectorXd diagonal = gathered(*M->diagonal());
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
     if (!scene.rows.pinned[std::size_t(i)]) TEST_ASSERT(diagonal[i] > 0.05 * reference(i, i) && diagonal[i] < 20 * reference(i, i));
+  // r of the law is made of it: not by which rows one rank has
+  const Feti alone = makeFeti(Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), scene);
+  for (bool scaled : {true, false}) {
+    const auto diagonalOf = [&](const Feti& feti) {
+      const auto d = Teuchos::rcp(new Vector(feti.map()));
+      const Eigen::VectorXd mine = RowGram(feti.dealt.jump->multipliers(), scaled).diagonal();
+      std::copy(mine.data(), mine.data() + mine.size(), d->getDataNonConst(0).begin());
+      return Eigen::VectorXd(gathered(*d));
+    };
+    const Eigen::VectorXd here = diagonalOf(feti), there = diagonalOf(alone);
+    TEST_ASSERT((here - there).norm() < kRoundOff * there.norm());
+  }
 }
 
 }  // namespace
