@@ -68,7 +68,7 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
 
 // What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too, if
 // that is the better one.  Smoothing moves pairs: where jumps are large it spoils the law more than it mends the field.
-Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps) const {
+Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps, SmoothingEffort effort) const {
   constexpr double kMargin = 0.8;
   const auto scope = time(Phase::Recover);
   u = recoverPrimal(system_->dual(), *solution.lambda, *solution.s);
@@ -88,7 +88,7 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
   const bool isAllElseRight = accuracy.errors.kkt() <= options_.solver.tolerance;
   addField(accuracy);
   if (!isAllElseRight || !(field.imbalance() > enough)) return accuracy;
-  field.smooth(kMargin * enough);
+  field.smooth(kMargin * enough, effort);
   Accuracy smoothed = accuracy;
   measureContactOf(input, *field.v(), *solution.lambda, smoothed);
   addField(smoothed);
@@ -97,16 +97,19 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
   return smoothed;
 }
 
-// Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.
+// Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.  Without a multiplication
+// nothing is new; what the written field still lacks in the end is left to smoothing alone.
 bool StepSolver::iterate(StepResult& result) try {
   constexpr int kAttempts = 12;
   const double tolerance = options_.solver.tolerance;
   SolveRequest request{tolerance, system_->dual().F->applications() + options_.solver.maximumMultiplications};
   bool passed = false;
+  RCP<Vector> jumps;
+  const auto measureNow = [&](SmoothingEffort effort) { result.accuracy = measure(solver_->solution(), result.u, jumps, effort); };
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    const long before = multiplications();
     passed = solver_->solve(request);
-    RCP<Vector> jumps;
-    result.accuracy = measure(solver_->solution(), result.u, jumps);
+    if (attempt == 0 || multiplications() > before) measureNow(SmoothingEffort::Usual);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
     if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
@@ -116,6 +119,7 @@ bool StepSolver::iterate(StepResult& result) try {
     // Half of what is too much, but by no more than two digits at a time: the two measures are not proportional.
     request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
+  if (passed && result.accuracy.errors.kkt() > tolerance) measureNow(SmoothingEffort::Last);
   return passed;
 } catch (const UselessFactor&) {  // on all ranks
   throw InsufficientModel(kLooseModel);

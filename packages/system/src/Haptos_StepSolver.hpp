@@ -11,6 +11,7 @@
 #include "Haptos_SystemModel.hpp"
 
 namespace Haptos {
+enum class SmoothingEffort;
 
 /// \brief What one step leaves.
 struct StepResult {
@@ -64,7 +65,7 @@ class StepSolver {
  private:
   std::unique_ptr<ContactSolver> makeSolver() const;
   void factor();
-  Accuracy measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps) const;
+  Accuracy measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps, SmoothingEffort effort) const;
   bool iterate(StepResult& result);
   std::optional<RunClock::Scope> time(Phase phase) const;
 

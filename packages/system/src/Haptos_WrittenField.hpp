@@ -4,6 +4,9 @@
 
 namespace Haptos {
 
+/// \brief Beyond the usual one multiplications by F are the cheaper way; the last one is for what they cannot better.
+enum class SmoothingEffort { Usual, Last };
+
 /// \brief The displacements v that are written, one value for all copies of a node, and what they lack of equilibrium:
 ///
 ///   r = sum over copies of f - K v - B^T lambda,  0 where a displacement is prescribed,
@@ -20,10 +23,10 @@ class WrittenField {
   const RCP<Vector>& v() const { return v_; }            ///< on the primal map [length]
 
   /// \brief Steps of conjugate gradients for K v = f - B^T lambda, preconditioned by D, the row sums of |K_ij|, until
-  /// || r ||_2 <= enough [force] or a bound; v is the best of all steps.
+  /// || r ||_2 <= enough [force] or what `effort` bounds; v is the best of all steps.
   ///
   /// Contact forces stay as they are.  Collective: five reductions a step.
-  void smooth(double enough);
+  void smooth(double enough, SmoothingEffort effort = SmoothingEffort::Usual);
 
  private:
   enum class Keep { Means, UnsupportedMeans };

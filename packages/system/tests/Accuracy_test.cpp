@@ -207,6 +207,23 @@ TEUCHOS_UNIT_TEST(WrittenField, SmoothsWhatVariesFromElementToElement) {
   TEST_ASSERT(moved.cwiseAbs().maxCoeff() > 1e-5);
 }
 
+// What the usual effort leaves to the method is smoothed where the method has no more to give.
+TEUCHOS_UNIT_TEST(WrittenField, LastEffortGoesFurther) {
+  const PressedBlocks blocks;
+  const auto input = blocks.input();
+  const auto u = blocks.onRanks(blocks.torn());
+  const Vector balanced(u->getMap());
+  const auto left = [&](SmoothingEffort effort) {
+    WrittenField field(input, *u, balanced);
+    const double before = field.imbalance();
+    field.smooth(1e-300 * before, effort);  // as good as hopeless within the usual steps
+    return field.imbalance() / before;
+  };
+  const double usual = left(SmoothingEffort::Usual), last = left(SmoothingEffort::Last);
+  out << "left " << usual << ", " << last << "\n";
+  TEST_ASSERT(last < 1e-10 && last < 0.1 * usual);
+}
+
 TEUCHOS_UNIT_TEST(Accuracy, ReactionsAreThoseOfTheClamp) {
   const PressedBlocks blocks;
   const auto offsets = blocks.scene.offsets();
