@@ -141,11 +141,12 @@ void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
 }
 
 // The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps; condensed
-// directions are made for the law itself, which no frozen linearisation betters: their r's begin again (decisions/045).
+// directions are made for the law itself, which no frozen linearisation betters: their r's begin again, and so it is before them (decisions/045).
 void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   window_.clear();
   if (hasMorePenalties()) return takePenalty(penaltyTried_ + 1, state);
   if (directions_.isCondensed()) return takePenalty(0, state);
+  if (directions_.mayCondense()) return;  // nearly there, or it would be stuck: fewer steps are left than a linearisation takes
   linear_ = true;
   goodSteps_ = 0;
   halvedAt_ = applications();  // an inexact Newton step needs many directions before it pays
