@@ -145,7 +145,12 @@ void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
 void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   window_.clear();
   if (hasMorePenalties()) return takePenalty(penaltyTried_ + 1, state);
-  if (directions_.isCondensed()) return takePenalty(0, state);
+  if (directions_.isCondensed()) {
+    takePenalty(0, state);
+    isRoundForNothing_ = norm_ > options_.roundLeaves * roundNorm_;
+    roundNorm_ = norm_;
+    return;
+  }
   if (directions_.mayCondense()) return;  // nearly there, or it would be stuck: fewer steps are left than a linearisation takes
   linear_ = true;
   goodSteps_ = 0;
@@ -169,6 +174,8 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
   firstApplication_ = dual_.F->applications();
   linear_ = idle_ = false;
   goodSteps_ = hopeless_ = penaltyTried_ = 0;
+  isRoundForNothing_ = false;
+  roundNorm_ = std::numeric_limits<double>::infinity();
   r_ = baseR_ * options_.penalties[0];
   window_.clear();
   linearize(state);
@@ -188,9 +195,9 @@ void SubspaceNewtonIter::noteHalving() {
   halvedAt_ = applications();
 }
 
-// Condensed directions may help where the pairs do not.
+// Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  return hasStalled(limits, 1) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
+  return hasStalled(limits, 1) || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
 }
 
 // One step: a direction, or directions for the frozen linearisation, and Gauss-Newton in what there is then.

@@ -85,9 +85,9 @@ class SubspaceNewtonIter {
   LawLinearization law_;
   NewtonState origin_;
   Eigen::VectorXd step_;  // coefficients of a whole step that the last direction was made for; empty if there is none
-  double norm_ = 0, bestNorm_ = 0, halved_ = 0;
+  double norm_ = 0, bestNorm_ = 0, halved_ = 0, roundNorm_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
-  bool linear_ = false, idle_ = false;
+  bool linear_ = false, idle_ = false, isRoundForNothing_ = false;
   int goodSteps_ = 0, hopeless_ = 0, penaltyTried_ = 0, steps_ = 0;
   std::vector<double> window_;
 };
