@@ -277,6 +277,24 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, LimitAndStagnationAreReportedNotThrown) 
   TEST_COMPARE(never.achievedTol(), <, 1e-12);
 }
 
+// Condensed directions try one r after the other, and end where a round of them was for nothing.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RoundsOfPenaltiesEnd) {
+  for (const bool floating : {false, true}) {
+    Setup t(makeContact(12, 20, floating, 1));
+    ContactOperators o = t.operators();
+    o.makeDeflatedM = [&]() -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.needsDeflatedM = true;
+    Manager manager;
+    manager.setParameters(withTolerance(0.0));
+    manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+    TEST_EQUALITY(manager.solve(), Belos::Unconverged);
+    out << (floating ? "floating" : "held") << ": " << t.F->applications << " applications, residual " << manager.achievedTol() << "\n";
+    TEST_ASSERT(manager.isLOADetected());
+    TEST_COMPARE(t.F->applications, <, 200);
+    TEST_COMPARE(manager.achievedTol(), <, 1e-12);
+  }
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RefusesWrongParametersAndProblems) {
   Manager m;
   for (const char* name : {"First Axis Ratio", "First Factor", "Level Tolerance", "Floating Penalty", "Convergence Tolerance"}) {
