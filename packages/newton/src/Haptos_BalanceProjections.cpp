@@ -47,7 +47,7 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   Zk_.resize(coarseSize_, k);  // orthonormal: what is projected off a below is Zk Zk^T a
   if (k > 0) Zk_ = orthonormalBasis(dual.motions);
   jumps_ = *dual.GT * Zk_;
-  H_ = carriedRows(contactMotions(), dual.pairs);
+  H_ = carriedRows(contactRowsOf(jumps_), dual.pairs);
   if (k == 0) return;
   const Eigen::MatrixXd felt = feltMotions(H_, vectors);
   jumps_ *= felt;
@@ -55,11 +55,13 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   load_ = felt.transpose() * (Zk_.transpose() * dual.e);
 }
 
-Eigen::MatrixXd GluingBalance::contactMotions() const {
-  Eigen::MatrixXd motions(3 * vectors_.numPairs(), Zk_.cols());
-  for (Eigen::Index j = 0; j < motions.cols(); ++j) motions.col(j) = vectors_.contact(*dual_.GT * Zk_.col(j));
-  return motions;
+Eigen::MatrixXd GluingBalance::contactRowsOf(const Eigen::MatrixXd& values) const {
+  Eigen::MatrixXd contact(3 * vectors_.numPairs(), values.cols());
+  for (Eigen::Index j = 0; j < contact.cols(); ++j) contact.col(j) = vectors_.contact(values.col(j));
+  return contact;
 }
+
+Eigen::MatrixXd GluingBalance::contactMotions() const { return contactRowsOf(*dual_.GT * Zk_); }
 
 Eigen::VectorXd GluingBalance::applyG(const Eigen::VectorXd& v) const {
   Eigen::VectorXd g = multiplyTransposed(*dual_.GT, v);

@@ -49,6 +49,8 @@ class GluingBalance {
   const CoarseProblem::Holds& holds() const { return dual_.holds; }
 
  private:
+  Eigen::MatrixXd contactRowsOf(const Eigen::MatrixXd& values) const;  // [rows x m] to [3 pairs x m]
+
   const ContactOperators& dual_;
   const DualVectors& vectors_;
   Eigen::VectorXd isGluing_;  // a mask instead of a second G^T

@@ -140,8 +140,8 @@ void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
   bestNorm_ = halved_ = std::numeric_limits<double>::infinity();  // phi with another r cannot be compared
 }
 
-// The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps; condensed
-// directions are made for the law itself, which no frozen linearisation betters: their r's begin again, and so it is before them (decisions/045).
+// The merit function depends on r, the pairs do not: another r often sees a way on.  If none does, inexact Newton steps, unless
+// directions are condensed or can be: made for the law itself, they are not bettered by a frozen linearisation (decisions/045).
 void SubspaceNewtonIter::leavePlateau(const NewtonState& state) {
   window_.clear();
   if (hasMorePenalties()) return takePenalty(penaltyTried_ + 1, state);
