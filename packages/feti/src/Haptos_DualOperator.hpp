@@ -23,6 +23,8 @@ class DualOperator final : public Operator {
              double beta = 0.0) const override;
 
   long applications() const { return applications_; }
+  /// \brief Counts what others did in the place of `multiplications` of them.
+  void count(long multiplications) const { applications_ += multiplications; }
   const JumpOperator& jump() const { return *jump_; }
   const LocalSystems& systems() const { return *systems_; }
 

@@ -5,6 +5,7 @@
 #include <Tpetra_Core.hpp>
 
 #include "FetiScene.hpp"
+#include "Haptos_DualProblem.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 #include "Haptos_SubdomainSurface.hpp"
 
@@ -63,6 +64,35 @@ TEUCHOS_UNIT_TEST(DualOperator, AlphaAndBeta) {
   const auto y = scatteredColumns(feti.map(), y0);
   feti.F->apply(*scatteredColumns(feti.map(), x), *y, Teuchos::NO_TRANS, -3.0, 0.5);
   TEST_ASSERT(largest(gathered(*y) - (-3.0 * F * x + 0.5 * y0)) < 1e-10 * largest(F));
+}
+
+// h - F l comes with the displacements of the same l, which are made once.
+TEUCHOS_UNIT_TEST(DualProblem, JumpsComeWithTheirDisplacements) {
+  const Scene scene = makeScene(heldScene(4));
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const Dense F = denseF(scene), f = someColumns(Eigen::Index(scene.offsets().back()), 1), l = someColumns(F.cols(), 1), c = 0.3 * someColumns(F.cols(), 1);
+  DualProblem dual(feti.F, feti.G, Teuchos::rcp(new CoarseProblem(*feti.comm, feti.G->rows(), {}, {})));
+  const auto column = [](const RCP<const Map>& map, const Dense& values) { return scattered(map, Eigen::VectorXd(values.col(0))); };
+  dual.setStep({column(feti.dealt.jump->getDomainMap(), f), column(feti.map(), c), {}});
+  const auto lambda = column(feti.map(), l), none = column(feti.map(), 0 * l);
+  const long before = feti.F->applications();
+  const Dense h = gathered(*dual.jumpsOf(*none)), jumps = gathered(*dual.jumpsOf(*lambda));
+  TEST_ASSERT(largest(h) > 1e-3);
+  TEST_ASSERT(largest(jumps - (h - F * l)) < 1e-10 * largest(h));
+  TEST_EQUALITY(feti.F->applications() - before, 2L);
+
+  const auto s = dual.jumpsOf(*lambda);  // the same once more
+  const long solves = feti.systems->localSolves();
+  const auto u = recoverPrimal(dual, *lambda, *s);
+  TEST_EQUALITY(feti.F->applications() - before, 2L);
+  TEST_EQUALITY(feti.systems->localSolves(), solves);
+  recoverPrimal(dual, *none, *s);  // of another l they are made
+  TEST_ASSERT(feti.systems->localSolves() > solves || feti.systems->size() == 0);
+  // G^T a = s - (B u - c) is what rigid motions add: where s are the jumps themselves, nothing.
+  Vector rest(*s, Teuchos::Copy);
+  rest.update(1.0, *dual.step.c, 1.0);
+  feti.dealt.jump->apply(*u, rest, Teuchos::NO_TRANS, -1.0, 1.0);
+  TEST_ASSERT(rest.norm2() < 1e-10 * s->norm2());
 }
 
 // Two materials, so two classes; one moved node makes its brick a class of its own.

@@ -160,7 +160,7 @@ Eigen::SparseMatrix<double> regularizeByFixing(const Eigen::SparseMatrix<double>
     }
   Eigen::SparseMatrix<double> fixing(K.rows(), K.cols());
   fixing.setFromTriplets(entries.begin(), entries.end());
-  return K + fixing;
+  return withFewAdded(K, fixing);
 }
 
 }  // namespace Haptos

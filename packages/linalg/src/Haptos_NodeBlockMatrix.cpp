@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_NodeBlockMatrix.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 #include "Haptos_Clones.hpp"
@@ -77,7 +78,35 @@ HAPTOS_CLONES void subtractTransposedColumns(const BlockView& A, const float* x,
   }
 }
 
+// Whether the three columns of a node have entries in the same rows, those of whole nodes and its own among them, as stiffnesses mostly do.
+bool areWholeNodes(const Eigen::SparseMatrix<double>& K, int node) {
+  const int *starts = K.outerIndexPtr() + 3 * node, *rows = K.innerIndexPtr() + starts[0];
+  const int count = starts[1] - starts[0];
+  if (!K.isCompressed() || count % 3 != 0 || starts[2] - starts[1] != count || starts[3] - starts[2] != count) return false;
+  for (int k = 0; k < count; k += 3)
+    if (rows[k] % 3 != 0 || rows[k + 1] != rows[k] + 1 || rows[k + 2] != rows[k] + 2) return false;
+  return std::equal(rows, rows + count, rows + count) && std::equal(rows, rows + count, rows + 2 * count) &&
+         std::binary_search(rows, rows + count, 3 * node);
+}
+
 }  // namespace
+
+// The blocks of a column as they lie in K, the diagonal one of a symmetric part first.
+void NodeBlockMatrix::takeWholeNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rowOf, int node, int column) {
+  const int* starts = K.outerIndexPtr() + 3 * node;
+  const int count = starts[1] - starts[0], *rows = K.innerIndexPtr() + starts[0];
+  const auto take = [&](int k, int row) {
+    row_.push_back(row);
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r < 3; ++r) entries_.push_back(float(K.valuePtr()[starts[c] + k + r] / unit_));
+  };
+  const auto diagonal = [&](int row) { return symmetric_ && row == column; };
+  for (const bool first : {true, false})
+    for (int k = 0; k < count; k += 3) {
+      const int row = rowOf[std::size_t(rows[k] / 3)];
+      if (row >= 0 && (!symmetric_ || row >= column) && diagonal(row) == first) take(k, row);
+    }
+}
 
 // Columns in turn; in each first the pattern (a row node once, whichever of its nine entries come), then the entries.
 NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rowOf, const std::vector<int>& columns,
@@ -88,6 +117,11 @@ NodeBlockMatrix::NodeBlockMatrix(const Eigen::SparseMatrix<double>& K, const std
   const auto isWanted = [&](int row, std::size_t column) { return row >= 0 && (!symmetric || row >= int(column)); };
   for (std::size_t j = 0; j < columns.size(); ++j) {
     const int first = int(row_.size());
+    if (areWholeNodes(K, columns[j])) {
+      takeWholeNodes(K, rowOf, columns[j], int(j));
+      starts_.push_back(int(row_.size()));
+      continue;
+    }
     const auto addRow = [&](int row) {
       if (!isWanted(row, j) || blockOf[std::size_t(row)] >= first) return;
       blockOf[std::size_t(row)] = int(row_.size());

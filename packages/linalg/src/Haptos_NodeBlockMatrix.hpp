@@ -34,6 +34,7 @@ class NodeBlockMatrix {
 
  private:
   int numColumns() const { return int(starts_.size()) - 1; }
+  void takeWholeNodes(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rowOf, int node, int column);
 
   int rows_ = 0;
   bool symmetric_ = false;

@@ -12,6 +12,9 @@ std::vector<int> complement(Eigen::Index n, const std::vector<int>& listed);
 /// \brief K(rows, columns), in the order given.
 Eigen::SparseMatrix<double> blockOf(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows, const std::vector<int>& columns);
 
+/// \brief K + few, where most columns of `few` are empty: those are copied as they lie.  Both have their rows in order.
+Eigen::SparseMatrix<double> withFewAdded(const Eigen::SparseMatrix<double>& K, const Eigen::SparseMatrix<double>& few);
+
 /// \brief A(rows, :)
 Eigen::MatrixXd rowsOf(const Eigen::Ref<const Eigen::MatrixXd>& A, const std::vector<int>& rows);
 

@@ -2,12 +2,14 @@
 // What a subdomain's matrices are kept in, against the dense matrices that they stand for.
 #include <Eigen/Core>
 #include <Teuchos_UnitTestHarness.hpp>
+#include <algorithm>
 #include <cmath>
 #include <initializer_list>
 
 #include "DenseAlgebra.hpp"
 #include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_NodeBlockMatrix.hpp"
+#include "Haptos_SparseBlocks.hpp"
 #include "Haptos_SupernodalFactor.hpp"
 
 namespace {
@@ -107,6 +109,12 @@ Eigen::SparseMatrix<double> chain(int nodes) {
   return K.sparseView();
 }
 
+// The same without some entries between nodes.
+Eigen::SparseMatrix<double> thinned(Eigen::SparseMatrix<double> K) {
+  K.prune([](Eigen::Index i, Eigen::Index j, double) { return i / 3 == j / 3 || (i + j) % 4 != 0; });
+  return K;
+}
+
 Eigen::VectorXf padded(const Eigen::VectorXd& x) {
   Eigen::VectorXf result = Eigen::VectorXf::Zero(x.size() / 3 * NodeBlockMatrix::kPadded);
   for (Eigen::Index i = 0; i < x.size() / 3; ++i) result.segment<3>(NodeBlockMatrix::kPadded * i) = x.segment<3>(3 * i).cast<float>();
@@ -129,8 +137,7 @@ MatrixXd part(const Eigen::SparseMatrix<double>& K, const std::vector<int>& rows
   return result;
 }
 
-TEUCHOS_UNIT_TEST(NodeBlockMatrix, MultipliesAsTheParts) {
-  const auto K = chain(9);
+void testParts(const Eigen::SparseMatrix<double>& K, bool& success, Teuchos::FancyOStream& out) {
   const std::vector<int> surface{8, 1, 4, 5, 0}, inside{2, 3, 6, 7};  // not in the order of K
   std::vector<int> onSurface(9, -1), within(9, -1);
   for (std::size_t i = 0; i < surface.size(); ++i) onSurface[std::size_t(surface[i])] = int(i);
@@ -158,6 +165,24 @@ TEUCHOS_UNIT_TEST(NodeBlockMatrix, MultipliesAsTheParts) {
   };
   TEST_COMPARE(relativeError(MatrixXd(Kbb.columns(some)), kUnit * picked(bb)), <, kSingle);
   TEST_COMPARE(relativeError(MatrixXd(Kib.columns(some)), kUnit * picked(ib)), <, kSingle);
+}
+
+TEUCHOS_UNIT_TEST(NodeBlockMatrix, MultipliesAsTheParts) {
+  TEST_COMPARE(thinned(chain(9)).nonZeros(), <, chain(9).nonZeros());
+  for (const auto& K : {chain(9), thinned(chain(9))}) testParts(K, success, out);
+}
+
+TEUCHOS_UNIT_TEST(SparseBlocks, AFewEntriesAreAdded) {
+  const auto K = thinned(chain(6));
+  Eigen::SparseMatrix<double> few(18, 18);
+  for (const auto& [i, j] : {std::pair{0, 0}, {17, 0}, {3, 4}, {1, 9}, {5, 9}, {17, 9}, {2, 17}, {17, 17}}) few.insert(i, j) = 1 + i + 0.1 * j;
+  few.makeCompressed();
+  const Eigen::SparseMatrix<double> sum = withFewAdded(K, few), expected = K + few;
+  TEST_EQUALITY(sum.nonZeros(), expected.nonZeros());
+  TEST_COMPARE(sum.nonZeros(), >, K.nonZeros());  // places that K lacks
+  TEST_ASSERT(std::equal(sum.innerIndexPtr(), sum.innerIndexPtr() + sum.nonZeros(), expected.innerIndexPtr()));
+  TEST_EQUALITY(MatrixXd(sum), MatrixXd(expected));
+  TEST_EQUALITY(MatrixXd(withFewAdded(K, Eigen::SparseMatrix<double>(18, 18))), MatrixXd(K));
 }
 
 // A sparse L in supernodes that end where listed; their rows below lie apart.

@@ -22,7 +22,9 @@ class CountedOperator;
 /// Row indices are local to the map of F; all rows of a pair lie on one rank.
 struct ContactOperators {
   RCP<const CountedOperator> F;       ///< symmetric, positive semidefinite [length/force]
-  RCP<const Vector> h;                ///< [length]
+  RCP<const Vector> h;                ///< [length]; may be null where `jumpsOf` is there
+  /// h - F lambda where it is had cheaper than from h and F, counted with F's; empty: by these.  Collective.
+  std::function<RCP<const Vector>(const Vector& lambda)> jumpsOf;
   RCP<const Operator> M;              ///< preconditioner, about F^-1 [force/length]
   RCP<const Operator> contactM;       ///< M between contact rows, on `mapOfRows` of F's map and `contactRows`; null: M itself is used
   RCP<const Operator> contactRowsOfM; ///< from all rows to the contact rows of M; null: M itself is used

@@ -71,7 +71,7 @@ RCP<const Operator> contactBlockOf(const RCP<const Operator>& M, const std::vect
 ContactProblem::ContactProblem(ContactOperators operators, const RCP<MultiVector>& lambda)
     : Belos::LinearProblem<double, MultiVector, Operator>(operators.F, lambda, operators.h), operators_(std::move(operators)) {
   ContactOperators& o = operators_;
-  TEUCHOS_ASSERT(!lambda.is_null() && !o.F.is_null() && !o.h.is_null() && !o.M.is_null() && !o.diagonalOfM.is_null());
+  TEUCHOS_ASSERT(!lambda.is_null() && !o.F.is_null() && (!o.h.is_null() || o.jumpsOf) && !o.M.is_null() && !o.diagonalOfM.is_null());
   TEUCHOS_ASSERT(!o.GT.is_null() && !o.GGT.is_null());
   TEUCHOS_ASSERT(o.GT->cols() == o.e.size());
   TEUCHOS_ASSERT(Eigen::Index(o.holds.size()) == o.motions.cols());

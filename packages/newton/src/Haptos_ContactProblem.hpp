@@ -19,6 +19,7 @@ class ContactProblem : public Belos::LinearProblem<double, MultiVector, Operator
   const ContactOperators& operators() const { return operators_; }
 
   /// \brief Other loads or laws for the same operators; who solves goes on by SubspaceNewtonSolMgr::goOn.
+  /// \param h may be null where `ContactOperators::jumpsOf` tells of the new loads
   /// \param pairs the same rows in the same order
   void setStep(const RCP<const Vector>& h, const Eigen::VectorXd& e, const std::vector<PairLaw>& pairs);
 

@@ -22,6 +22,8 @@ class CountedOperator final : public Operator {
   }
 
   long applications() const { return applications_; }
+  /// \brief Counts what others did in the place of `applications` of them.
+  void count(long applications) const { applications_ += applications; }
 
  private:
   RCP<const Operator> op_;

@@ -23,7 +23,8 @@ SubspaceNewtonRun::SubspaceNewtonRun(const ContactOperators& dual, const Vector&
 
 // s = h - F lambda + G^T a without rigid part on gluing rows
 Eigen::VectorXd SubspaceNewtonRun::jumpsOf(const Eigen::VectorXd& lambda) const {
-  Eigen::VectorXd s = DualVectors::fromVector(*dual_.h) - vectors_.apply(*dual_.F, lambda);
+  Eigen::VectorXd s = dual_.jumpsOf ? DualVectors::fromVector(*dual_.jumpsOf(*vectors_.toVector(lambda)))
+                                    : Eigen::VectorXd(DualVectors::fromVector(*dual_.h) - vectors_.apply(*dual_.F, lambda));
   balance_.removeRigidPart(s);
   return s;
 }

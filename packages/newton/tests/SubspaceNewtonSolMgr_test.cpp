@@ -5,6 +5,7 @@
 #include <BelosSolverFactory_Tpetra.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Vector.hpp>
+#include <utility>
 
 #include "../../law/tests/PlainLaw.hpp"
 #include "DenseContact.hpp"
@@ -99,6 +100,31 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ContactBlockTakenOrGiven) {
     TEST_COMPARE(std::abs(t.F->applications - taken.F->applications), <=, 1);
     TEST_COMPARE((gather(*t.lambda) - gather(*taken.lambda)).norm(), <=, 1e-7);
   }
+}
+
+// Whoever has h - F lambda need not give h.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, JumpsOfTheStartTakenOrGiven) {
+  const DenseContact d = makeContact(40, 30, false, 3);
+  Setup taken(d), given(d);
+  ContactOperators o = given.operators();
+  int asked = 0;
+  o.jumpsOf = [&, h = std::exchange(o.h, Teuchos::null), F = o.F](const Vector& lambda) {
+    ++asked;
+    const auto s = rcp(new Vector(*h, Teuchos::Copy));
+    F->apply(lambda, *s, Teuchos::NO_TRANS, -1.0, 1.0);
+    return s;
+  };
+  Manager a, b;
+  for (Manager* manager : {&a, &b}) manager->setParameters(withTolerance(1e-10));
+  a.setProblem(taken.problem);
+  b.setProblem(rcp(new ContactProblem(o, given.lambda)));
+  TEST_EQUALITY(a.solve(), Belos::Converged);
+  TEST_EQUALITY(b.solve(), Belos::Converged);
+  TEST_COMPARE(asked, >, 0);
+  TEST_EQUALITY(a.hessianApplications(), b.hessianApplications());
+  TEST_COMPARE((gather(*taken.lambda) - gather(*given.lambda)).norm(), <=, 1e-12 * gather(*taken.lambda).norm());
+  o.jumpsOf = nullptr;
+  TEST_THROW(ContactProblem(o, given.lambda), std::logic_error);
 }
 
 // Taken silently, it would cost applications only.

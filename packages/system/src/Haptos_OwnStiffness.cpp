@@ -17,6 +17,7 @@ namespace {
 
 using Part = OwnStiffness::Part;
 using SparseMatrix = Eigen::SparseMatrix<double>;
+using SparseRef = Eigen::Ref<const SparseMatrix>;
 
 constexpr double kNoEnergy = 1e-10;  // of what diag K gives the same motion
 
@@ -37,12 +38,15 @@ void forEachRow(const CrsMatrix& K, Visit&& visit) {
     visit(i, unknowns + begin[i], A.values.data() + begin[i], std::size_t(begin[i + 1] - begin[i]));
 }
 
-// visit(row, column, value) for every entry.
-template <class Visit>
-void forEachEntry(const CrsMatrix& K, Visit&& visit) {
-  forEachRow(K, [&](LocalOrdinal row, const LocalOrdinal* columns, const double* values, std::size_t count) {
-    for (std::size_t k = 0; k < count; ++k) visit(row, columns[k], values[k]);
-  });
+// Row starts as Eigen wants them, where the entries of K can be looked at as they lie: columns numbered as rows, and in order.  Else none.
+std::vector<int> startsInPlace(const CrsMatrix& K) {
+  if (!K.getColMap()->locallySameAs(*K.getRowMap())) return {};
+  const auto graph = K.getLocalMatrixHost().graph;
+  const std::vector<int> starts(graph.row_map.data(), graph.row_map.data() + graph.row_map.extent(0));
+  const LocalOrdinal* columns = graph.entries.data();
+  for (std::size_t row = 0; row + 1 < starts.size(); ++row)
+    if (!std::is_sorted(columns + starts[row], columns + starts[row + 1])) return {};
+  return starts;
 }
 
 [[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
@@ -62,7 +66,7 @@ void requireSize(const Part& part) {
 
 // || K - K^T ||_max without a transpose: column by column, entries below the diagonal meet those of their rows in the order in which these stand.
 // Negative if the entries do not stand in the same places.
-double asymmetryInPlace(const SparseMatrix& K) {
+double asymmetryInPlace(const SparseRef& K) {
   const int *begin = K.outerIndexPtr(), *rows = K.innerIndexPtr();
   const double* values = K.valuePtr();
   std::vector<int> next(begin, begin + K.cols());  // of each column's entries above the diagonal
@@ -81,35 +85,44 @@ double asymmetryInPlace(const SparseMatrix& K) {
   return worst;
 }
 
-double asymmetry(const SparseMatrix& K) {
+double asymmetry(const SparseRef& K) {
   const double inPlace = asymmetryInPlace(K);
   if (inPlace >= 0) return inPlace;
   const SparseMatrix T = K.transpose(), difference = K - T;
   return difference.coeffs().abs().maxCoeff();
 }
 
-// || K - K^T ||_max <= 1e-9 || K ||_max: assembly in another order leaves 1e-16.
-void requireSymmetry(const Part& part, const SparseMatrix& K) {
-  constexpr double kSymmetric = 1e-9;  // of the largest entry
-  double largest = 0;
-  for (Eigen::Index k = 0; k < K.nonZeros(); ++k) {
-    if (!std::isfinite(K.valuePtr()[k])) refuse(part, "has an entry that is not finite.");
-    largest = std::max(largest, std::abs(K.valuePtr()[k]));
+// 0 where there is no entry.
+Eigen::VectorXd diagonalOf(const SparseRef& K) {
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(K.cols());
+  for (Eigen::Index j = 0; j < K.cols(); ++j) {
+    const int *first = K.innerIndexPtr() + K.outerIndexPtr()[j], *last = K.innerIndexPtr() + K.outerIndexPtr()[j + 1];
+    const int* at = std::lower_bound(first, last, int(j));
+    if (at != last && *at == int(j)) diagonal[j] = K.valuePtr()[at - K.innerIndexPtr()];
   }
+  return diagonal;
+}
+
+// || K - K^T ||_max <= 1e-9 || K ||_max: assembly in another order leaves 1e-16.
+void requireSymmetry(const Part& part, const SparseRef& K) {
+  constexpr double kSymmetric = 1e-9;  // of the largest entry
+  const Eigen::Map<const Eigen::ArrayXd> values(K.valuePtr(), K.nonZeros());
+  const double largest = values.abs().maxCoeff<Eigen::PropagateNaN>();
+  if (!std::isfinite(largest)) refuse(part, "has an entry that is not finite.");
   const double worst = asymmetry(K);
   if (worst > kSymmetric * largest)
     refuse(part, "is not symmetric: entries differ by " + formatted("%.1e", worst) + " of " + formatted("%.1e", largest) + ".");
-  if (K.diagonal().minCoeff() <= 0) refuse(part, "has a diagonal entry that is not positive: a node hangs on nothing.");
+  if (diagonalOf(K).minCoeff() <= 0) refuse(part, "has a diagonal entry that is not positive: a node hangs on nothing.");
 }
 
 // An orthonormal basis of what the caller says K does not feel.
-Eigen::MatrixXd givenKernel(const Part& part, const SparseMatrix& K) {
+Eigen::MatrixXd givenKernel(const Part& part, const SparseRef& K) {
   if (part.kernel.rows() != K.rows())
     refuse(part, "comes with a kernel of " + std::to_string(part.kernel.rows()) + " rows; it has " + std::to_string(K.rows()) + ".");
   const PivotedQr qr(part.kernel);
   if (Eigen::Index(qr.columns.size()) < part.kernel.cols()) refuse(part, "comes with a kernel whose columns depend on each other.");
   const Eigen::MatrixXd& R = qr.Q;
-  const Eigen::VectorXd weights = K.diagonal();
+  const Eigen::VectorXd weights = diagonalOf(K);
   for (Eigen::Index j = 0; j < R.cols(); ++j) {
     const double energy = R.col(j).dot(K * R.col(j)), measure = R.col(j).dot(weights.cwiseProduct(R.col(j)));
     if (!(std::abs(energy) <= kNoEnergy * measure))
@@ -119,7 +132,7 @@ Eigen::MatrixXd givenKernel(const Part& part, const SparseMatrix& K) {
 }
 
 // Without a kernel that the caller gives, rigid motions are tried: a matrix that resists all of them is not what Total FETI takes.
-Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
+Eigen::MatrixXd kernelOf(const Part& part, const SparseRef& K) {
   if (part.kernel.size() > 0) return givenKernel(part, K);
   Eigen::MatrixXd R = rigidKernel(K, part.coordinates);
   if (R.cols() == 0)
@@ -132,12 +145,12 @@ Eigen::MatrixXd kernelOf(const Part& part, const SparseMatrix& K) {
 
 // E y = mu D y with E = R^T K R and D = R^T diag(K) R, R the six motions: those y with mu = 0 cost nothing.  Against diag(K), as
 // translations and rotations have other units.
-Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinates) {
+Eigen::MatrixXd rigidKernel(const Eigen::Ref<const SparseMatrix>& K, const Coordinates& coordinates) {
   using Small = Eigen::Matrix<double, 6, 6>;
   const Eigen::MatrixXd R = rigidBodyModes(coordinates, {});
   const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> motions = R;  // by rows: K is read once for all six
   const Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> forces = K * motions;
-  const Small energy = motions.transpose() * forces, measure = R.transpose() * K.diagonal().asDiagonal() * R;
+  const Small energy = motions.transpose() * forces, measure = R.transpose() * diagonalOf(K).asDiagonal() * R;
   const SymmetricPencil eigen(0.5 * (energy + energy.transpose()), measure);
   Eigen::Index k = 0;
   while (k < 6 && eigen.values[k] <= kNoEnergy) ++k;
@@ -149,10 +162,20 @@ Eigen::MatrixXd rigidKernel(const SparseMatrix& K, const Coordinates& coordinate
 OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
   for (int i = 0; i < size(); ++i) {
     requireSize(part(i));
-    const SparseMatrix K = assemble(i);
-    requireSymmetry(part(i), K);
-    kernels_.push_back(kernelOf(part(i), K));
+    const std::vector<int> starts = startsInPlace(*part(i).K);
+    if (starts.empty()) {
+      look(i, assemble(i));
+    } else {
+      const auto K = part(i).K->getLocalMatrixHost();
+      const auto n = Eigen::Index(starts.size()) - 1;
+      look(i, Eigen::Map<const SparseMatrix>(n, n, Eigen::Index(starts.back()), starts.data(), K.graph.entries.data(), K.values.data()));
+    }
   }
+}
+
+void OwnStiffness::look(int i, const Eigen::Ref<const SparseMatrix>& K) {
+  requireSymmetry(part(i), K);
+  kernels_.push_back(kernelOf(part(i), K));
 }
 
 // K is symmetric: its rows as they come are its columns, where their entries are in order.  Otherwise a transposition brings them there.
@@ -184,10 +207,13 @@ void OwnStiffness::multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, E
   });
 }
 
+// Where the columns of a row are in order, as they mostly are, its diagonal entry is found without looking at the others.
 std::vector<double> OwnStiffness::nodalStiffness(int i) const {
   std::vector<double> result(part(i).coordinates.size(), 0.0);
-  forEachEntry(*part(i).K, [&](int row, int column, double value) {
-    if (row == column) result[std::size_t(row) / 3] += value / 3;
+  forEachRow(*part(i).K, [&](int row, const LocalOrdinal* columns, const double* values, std::size_t count) {
+    const LocalOrdinal* at = std::lower_bound(columns, columns + count, row);
+    if (at == columns + count || *at != row) at = std::find(columns, columns + count, row);
+    if (at != columns + count) result[std::size_t(row) / 3] += values[at - columns] / 3;
   });
   return result;
 }

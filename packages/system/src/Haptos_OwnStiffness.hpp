@@ -33,6 +33,7 @@ class OwnStiffness final : public SubdomainStiffness {
   std::vector<double> nodalStiffness(int i) const;
 
  private:
+  void look(int i, const Eigen::Ref<const Eigen::SparseMatrix<double>>& K);
   const Part& part(int i) const { return parts_[std::size_t(i)]; }
 
   std::vector<Part> parts_;
@@ -40,6 +41,6 @@ class OwnStiffness final : public SubdomainStiffness {
 };
 
 /// \brief Orthonormal basis of the rigid motions that cost no energy, measured against diag K; none: no columns.
-Eigen::MatrixXd rigidKernel(const Eigen::SparseMatrix<double>& K, const Coordinates& coordinates);
+Eigen::MatrixXd rigidKernel(const Eigen::Ref<const Eigen::SparseMatrix<double>>& K, const Coordinates& coordinates);
 
 }  // namespace Haptos

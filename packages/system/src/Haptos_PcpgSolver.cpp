@@ -1,62 +1,85 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_PcpgSolver.hpp"
 
-#include <BelosPseudoBlockCGSolMgr.hpp>
-#include <BelosTpetraAdapter.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <array>
 #include <cmath>
-#include <memory>
 
 #include "Haptos_FetiSystem.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
-namespace {
-
-constexpr double kNothing = 1e-13;  // of what is projected: rigid motions alone, and their round-off
 
 // P_D M P_D^T with P_D = I - D G^T (G D G^T)^-1 G, D = diag M: in Ker G, and the same for r and r + G^T a.  D = I would spread what moves a
 // subdomain over all its rows alike, those between stiff and soft bodies, which M gives the soft one's stiffness, as well: counts grew with
-// contrasts, 61, 52, 460 for 23, 17, 83 now.  Source: Bhardwaj et al. 2000 (superlumped Q).
-class BalancedPreconditioner final : public Operator {
+// contrasts, 61, 52, 460 for 23, 17, 83 now.  Source: Bhardwaj et al. 2000 (superlumped Q).  Without M: P.
+class BalancedPreconditioner {
  public:
   BalancedPreconditioner(RCP<const Operator> M, const DualProblem& dual, RCP<const Vector> D, const CoarseProblem::Holds& holds)
       : M_(std::move(M)), G_(dual.G), D_(std::move(D)) {
     const auto weights = D_->getData();
-    GDGT_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), G_->rows(), std::vector<double>(weights.begin(), weights.end()), holds);
+    GDGT_ = Teuchos::rcp(new CoarseProblem(dual.GGT->placement(), G_->rows(), std::vector<double>(weights.begin(), weights.end()), holds));
   }
-  RCP<const Map> getDomainMap() const override { return M_->getDomainMap(); }
-  RCP<const Map> getRangeMap() const override { return M_->getRangeMap(); }
-  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const override {
-    MultiVector Dx(x.getMap(), x.getNumVectors()), z(x.getMap(), x.getNumVectors()), r(x, Teuchos::Copy);
-    Dx.elementWiseMultiply(1.0, *D_, x, 0.0);
-    G_->applyGT(GDGT_->solveSum(G_->partOfG(Dx)), r, -1.0, 1.0);  // r := P_D^T x
+  explicit BalancedPreconditioner(const DualProblem& dual) : G_(dual.G), GDGT_(dual.GGT) {}
+
+  // r := P_D^T r, z := P_D M r
+  void apply(Vector& r, Vector& z) const {
+    z.update(1.0, r, 0.0);
+    multiplyByD(z);
+    G_->applyGT(GDGT_->solveSum(G_->partOfG(z)), r, -1.0, 1.0);
+    if (M_.is_null()) return z.update(1.0, r, 0.0);
     M_->apply(r, z);
-    G_->applyGT(GDGT_->solveSum(G_->partOfG(z)), r);
-    z.elementWiseMultiply(-1.0, *D_, r, 1.0);  // z := P_D z
-    y.update(alpha, z, beta);
+    Vector rest(z.getMap());
+    G_->applyGT(GDGT_->solveSum(G_->partOfG(z)), rest);
+    multiplyByD(rest);
+    z.update(-1.0, rest, 1.0);
   }
 
  private:
+  void multiplyByD(Vector& x) const {
+    if (!D_.is_null()) x.elementWiseMultiply(1.0, *D_, x, 0.0);
+  }
+
   RCP<const Operator> M_;
   RCP<const NaturalCoarseSpace> G_;
   RCP<const Vector> D_;
-  std::unique_ptr<CoarseProblem> GDGT_;
+  RCP<const CoarseProblem> GDGT_;
 };
+
+namespace {
+
+constexpr double kNothing = 1e-13;  // of what is projected: rigid motions alone, and their round-off
+
+// (r . z, r . r) by one reduction.
+std::array<double, 2> products(const Vector& r, const Vector& z) {
+  std::array<double, 2> mine{0, 0};
+  const auto a = r.getData(0), b = z.getData(0);
+  for (Teuchos::Ordinal i = 0; i < a.size(); ++i) {
+    mine[0] += a[i] * b[i];
+    mine[1] += a[i] * a[i];
+  }
+  return sumOfAll(*r.getMap()->getComm(), mine);
+}
 
 }  // namespace
 
 PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
-  x_ = Teuchos::rcp(new MultiVector(context_.system.dual().map(), 1));
   begin(context_.start);
   if (context_.system.needsDeflation()) deflate();
-  else if (!context_.system.preconditioner().is_null()) use(context_.system.preconditioner());
+  else use(context_.system.preconditioner());
 }
+
+PcpgSolver::~PcpgSolver() = default;
 
 void PcpgSolver::use(RCP<const Operator> M) {
   const FetiSystem& system = context_.system;
-  preconditioner_ = Teuchos::rcp(new BalancedPreconditioner(std::move(M), system.dual(), system.preconditioner()->diagonal(),
-                                                            holdsFor(system.unheldMotions(), system.bodies())));
+  if (M.is_null()) {
+    preconditioner_ = std::make_unique<BalancedPreconditioner>(system.dual());
+    return;
+  }
+  preconditioner_ = std::make_unique<BalancedPreconditioner>(std::move(M), system.dual(), system.preconditioner()->diagonal(),
+                                                             holdsFor(system.unheldMotions(), system.bodies()));
 }
 
 void PcpgSolver::deflate() {
@@ -69,35 +92,52 @@ void PcpgSolver::renew() {
   begin(solution_.lambda);
 }
 
-// b = P (h - F lambdaIm), x = start - lambdaIm or 0
-void PcpgSolver::begin(const RCP<const Vector>& start) {
+// G lambda = e, whatever round-off the sum of many steps left: lambda := lambdaIm + P (lambda - lambdaIm)
+void PcpgSolver::balance() {
   const DualProblem& dual = context_.system.dual();
-  Vector r(*dual.h, Teuchos::Copy);
-  dual.F->apply(*dual.lambdaIm, r, Teuchos::NO_TRANS, -1.0, 1.0);
-  b_ = Teuchos::rcp(new MultiVector(dual.map(), 1));
-  dual.P->apply(r, *b_);
-  // Loads that G^T alone carries leave round-off in b: to solve for that would take forever.
-  const bool isNothing = b_->getVector(0)->norm2() <= kNothing * r.norm2();
-  if (isNothing) b_->putScalar(0.0);
-  x_->putScalar(0.0);
-  if (!start.is_null() && !isNothing) x_->update(1.0, *start, -1.0, *dual.lambdaIm, 0.0);
+  lambda_->update(-1.0, *dual.lambdaIm, 1.0);
+  Vector inside(dual.map());
+  dual.P->apply(*lambda_, inside);
+  lambda_->update(1.0, *dual.lambdaIm, 1.0, inside, 0.0);
 }
 
-// Belos iterates on P F P x = b from where x is; the residual that is left, of the right-hand side's.
+// lambda := lambdaIm + P start
+void PcpgSolver::begin(const RCP<const Vector>& start) {
+  const DualProblem& dual = context_.system.dual();
+  const auto r = dual.jumpsOf(*dual.lambdaIm);
+  Vector b(dual.map());
+  dual.P->apply(*r, b);
+  reference_ = b.norm2();
+  // Loads that G^T alone carries leave round-off in b: to solve for that would take forever.
+  if (reference_ <= kNothing * r->norm2()) reference_ = 0;
+  lambda_ = Teuchos::rcp(new Vector(*dual.lambdaIm, Teuchos::Copy));
+  if (reference_ > 0 && !start.is_null()) dual.P->apply(*start, *lambda_, Teuchos::NO_TRANS, 1.0, 1.0);
+}
+
+// r = h - F lambda + G^T a with any a, as p . G^T a = 0; P_D^T takes a such that it is small.
+//
+//   r := P_D^T r,  z := P_D M r;   p := z + (r.z / r_old.z_old) p;   t := r.z / p.F p;   lambda += t p,  r -= t F p
+//
+// The residual || r || that is left, of the reference; 0 where it is below the tolerance.
 double PcpgSolver::iterate(double tolerance, long most) {
-  using Problem = Belos::LinearProblem<double, MultiVector, Operator>;
-  const RCP<const Operator> A = context_.system.dual().PFP;
-  auto problem = Teuchos::rcp(new Problem(A, x_, b_));
-  if (!preconditioner_.is_null()) problem->setLeftPrec(preconditioner_);
-  problem->setProblem();
-  auto list = Teuchos::parameterList();
-  list->set("Maximum Iterations", int(std::max(1L, most)));
-  list->set("Convergence Tolerance", tolerance);
-  list->set("Implicit Residual Scaling", "Norm of RHS");
-  Belos::PseudoBlockCGSolMgr<double, MultiVector, Operator> manager(problem, list);
-  const bool passed = manager.solve() == Belos::Converged;
-  iterations_ += manager.getNumIters();
-  return passed ? 0.0 : manager.achievedTol();
+  const DualProblem& dual = context_.system.dual();
+  Vector r(*dual.jumpsOf(*lambda_), Teuchos::Copy), z(dual.map()), p(dual.map()), Fp(dual.map());
+  double before = 0;
+  for (long k = 0;; ++k) {
+    preconditioner_->apply(r, z);
+    const auto [rz, rr] = products(r, z);
+    const double residual = std::sqrt(rr) / reference_;
+    if (residual <= tolerance) return 0.0;
+    if (k == most) return residual;
+    p.update(1.0, z, k == 0 ? 0.0 : rz / before);
+    dual.F->apply(p, Fp);
+    const double pFp = p.dot(Fp);
+    if (!(rz > 0 && pFp > 0)) return residual;  // round-off is all that is left
+    lambda_->update(rz / pFp, p, 1.0);
+    r.update(-rz / pFp, Fp, 1.0);
+    before = rz;
+    ++iterations_;
+  }
 }
 
 // Where a first stretch shows that half as much again will not do, soft motions of elements or subdomains are at fault: M is deflated, which
@@ -105,29 +145,26 @@ double PcpgSolver::iterate(double tolerance, long most) {
 bool PcpgSolver::converge(const SolveRequest& request) {
   constexpr long kFirst = 40;
   constexpr double kEnough = 2.0 / 3;  // of the digits
-  const auto left = [&] { return request.maximumMultiplications - context_.system.dual().F->applications() - 1; };  // the last one is for s
-  const bool mayDeflate = deflated_.is_null() && !preconditioner_.is_null();
-  double residual = iterate(request.tolerance, mayDeflate ? std::min(kFirst, left() - 1) : left() - 1);
+  // Two more: where it begins again, and for s.
+  const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
+  const bool mayDeflate = deflated_.is_null() && !context_.system.preconditioner().is_null();
+  const double residual = iterate(request.tolerance, mayDeflate ? std::min(kFirst, left()) : left());
   if (residual == 0 || !mayDeflate || left() < 2) return residual == 0;
   if (residual > std::pow(request.tolerance, kEnough)) deflate();
-  return iterate(request.tolerance, left() - 1) == 0;
+  return iterate(request.tolerance, left()) == 0;
 }
 
-// x in Ker G keeps G lambda = e: lambda = lambdaIm + P x, whatever round-off left in x.
 bool PcpgSolver::solve(const SolveRequest& request) {
   const DualProblem& dual = context_.system.dual();
-  const bool passed = b_->getVector(0)->norm2() == 0.0 || converge(request);
+  const bool passed = reference_ == 0.0 || converge(request);
+  balance();
   outcome_ = passed ? Outcome::Converged : request.maximumMultiplications - dual.F->applications() < 3 ? Outcome::MultiplicationLimit : Outcome::NotConverged;
 
-  solution_.lambda = Teuchos::rcp(new Vector(*dual.lambdaIm, Teuchos::Copy));
-  Vector px(dual.map());
-  dual.P->apply(*x_, px);
-  solution_.lambda->update(1.0, px, 1.0);
+  solution_.lambda = Teuchos::rcp(new Vector(*lambda_, Teuchos::Copy));
   // s = P (h - F lambda): the rigid part is chosen so that nothing is left in Im G^T
-  solution_.s = Teuchos::rcp(new Vector(*b_->getVector(0), Teuchos::Copy));
-  dual.PFP->apply(px, *solution_.s, Teuchos::NO_TRANS, -1.0, 1.0);
-  const double reference = b_->getVector(0)->norm2();
-  history_.push_back({dual.F->applications(), reference > 0 ? solution_.s->norm2() / reference : 0.0, 0, 0, 0});
+  solution_.s = Teuchos::rcp(new Vector(dual.map()));
+  dual.P->apply(*dual.jumpsOf(*lambda_), *solution_.s);
+  history_.push_back({dual.F->applications(), reference_ > 0 ? solution_.s->norm2() / reference_ : 0.0, 0, 0, 0});
   if (context_.progress) context_.progress(history_.back());
   return passed;
 }

@@ -1,17 +1,22 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <memory>
+
 #include "Haptos_ContactSolver.hpp"
 #include "Haptos_DeflatedPreconditioner.hpp"
 
 namespace Haptos {
 
+class BalancedPreconditioner;
+
 /// \brief Preconditioned conjugate projected gradients for bodies without contact (Farhat and Roux 1991).
 ///
-/// Belos' CG on P F P with the preconditioner P_D M P_D^T, P_D = I - D G^T (G D G^T)^-1 G and D = diag M; only equality rows exist, so
-/// lambda is free.
+/// F lambda = h + G^T a, G lambda = e, with the preconditioner P_D M P_D^T, P_D = I - D G^T (G D G^T)^-1 G and D = diag M; only equality
+/// rows exist, so lambda is free.
 class PcpgSolver final : public ContactSolver {
  public:
   explicit PcpgSolver(SolverContext context);
+  ~PcpgSolver() override;
 
   std::string name() const override { return "PCPG"; }
   bool solve(const SolveRequest& request) override;
@@ -26,14 +31,16 @@ class PcpgSolver final : public ContactSolver {
 
  private:
   void begin(const RCP<const Vector>& start);
+  void balance();
   void use(RCP<const Operator> M);
   void deflate();
   double iterate(double tolerance, long most);
   bool converge(const SolveRequest& request);
 
   SolverContext context_;
-  RCP<MultiVector> x_, b_;  ///< lambda = lambdaIm + P x
-  RCP<const Operator> preconditioner_;          ///< into Ker G; null: none
+  RCP<Vector> lambda_;      ///< G lambda = e
+  double reference_ = 0;    ///< || P (h - F lambdaIm) || [length], what residuals are compared with; 0: loads need no lambda but lambdaIm
+  std::unique_ptr<const BalancedPreconditioner> preconditioner_;
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;

@@ -33,10 +33,8 @@ class FetiProgram final : public Program {
 
 // b = P (h - F lambdaIm)
 RCP<MultiVector> rightHandSide(const DualProblem& dual) {
-  auto r = Teuchos::rcp(new MultiVector(*dual.h, Teuchos::Copy));
-  dual.F->apply(*dual.lambdaIm, *r, Teuchos::NO_TRANS, -1.0, 1.0);
   auto b = Teuchos::rcp(new MultiVector(dual.map(), 1));
-  dual.P->apply(*r, *b);
+  dual.P->apply(*dual.jumpsOf(*dual.lambdaIm), *b);
   return b;
 }
 

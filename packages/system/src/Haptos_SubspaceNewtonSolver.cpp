@@ -21,7 +21,12 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   const DualProblem& dual = system.dual();
   ContactOperators o;
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
-  o.h = dual.h;
+  o.jumpsOf = [&dual, F = o.F](const Vector& lambda) {
+    const long before = dual.F->applications();
+    const auto s = dual.jumpsOf(lambda);
+    F->count(dual.F->applications() - before);
+    return s;
+  };
   o.M = system.preconditioner();
   const auto block = Teuchos::rcp(new ContactBlock(system.preconditioner()));
   o.contactM = block;
@@ -129,7 +134,7 @@ void SubspaceNewtonSolver::renew() {
   const FetiSystem& system = impl.context.system;
   impl.makeEstimator();
   impl.history.clear();
-  impl.problem->setStep(system.dual().h, system.dual().e, system.law().pairs());
+  impl.problem->setStep(Teuchos::null, system.dual().e, system.law().pairs());
   impl.manager.goOn();
 }
 

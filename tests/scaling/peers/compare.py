@@ -21,6 +21,9 @@ ONE_THREAD = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "OMPI_ALLOW_R
 BRICKS = {8: (2, 4), 12: (2, 6), 16: (2, 8), 20: (4, 5), 24: (4, 6), 32: (4, 8), 48: (8, 6)}  # N: k, p with k p = N
 
 
+HUGE_PAGES = {"GLIBC_TUNABLES": "glibc.malloc.hugetlb=1"}  # for all programs alike; the program haptos asks for them by itself, a library does not
+
+
 def environment():
     env = {**os.environ, **ONE_THREAD}
     petsc = sorted(glob.glob("/usr/lib/petscdir/*/*/lib/python3/dist-packages"))
@@ -159,7 +162,10 @@ def main():
     parser.add_argument("--peers", nargs="+", default=PEERS, choices=PEERS)
     parser.add_argument("--repeat", type=int, default=3, help="runs of PETSc and beside it, of which the fastest counts")
     parser.add_argument("--trilinos", default=str(HERE.parents[2] / "build/release/bin/peer_trilinos"), help="built by: ninja -C build/release bin/peer_trilinos")
+    parser.add_argument("--huge-pages", action="store_true", help="the C library asks for huge pages (glibc.malloc.hugetlb=1), in every program")
     options = parser.parse_args()
+    if options.huge_pages:
+        ONE_THREAD.update(HUGE_PAGES)
     found = available() & set(options.peers)
     if "Trilinos" in options.peers:
         if shutil.which(options.trilinos):
