@@ -254,6 +254,24 @@ class NotConverged(SceneTest):
                     self.assertGreater(accuracy["round_off_floor"], 1e-10)
                     self.assertLessEqual(accuracy["kkt"], 10 * accuracy["round_off_floor"])
 
+    def test_the_written_field_is_smoothed_at_the_floor(self):
+        """What is written is not worse than round-off asks for: a stiff body that contact alone holds, whose forces are in balance to 6e-9."""
+        scene = stack(Decomposition__Subdomains=8, Solver={"Relative Tolerance": 1e-9})
+        scene["Materials"] = {"soft": haptos_runs.material(["lower"]), "hard": haptos_runs.material(["upper"])}
+        scene["Materials"]["hard"]["Young's Modulus"] = 1e10
+        del scene["Boundary Conditions"]["side"]
+        scene["Boundary Conditions"]["shear"] = {"Type": "Traction", "Sets": ["upper_top"], "Value": [0.1, 0.05, 0.0]}
+        for ranks in RANKS:
+            outcome = self.run_scene(scene, ranks=ranks)
+            self.assertEqual(outcome.status, 2, outcome)
+            summary = self.summary()
+            accuracy = summary["accuracy"]
+            self.assert_reason(summary)
+            self.assertGreater(accuracy["equilibrium"], 1e-9)
+            self.assertLessEqual(accuracy["field_equilibrium"], 1e-9)
+            self.assertLess(accuracy["kkt"], accuracy["round_off_floor"])
+            self.assertIn("round-off forbids less than about", summary["solver"]["reason"])
+
     def test_what_was_reached_is_kept(self):
         """1e-14 is below round-off: no other method may throw away what the first one came to."""
         for ranks in RANKS:

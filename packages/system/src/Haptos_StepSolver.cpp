@@ -67,7 +67,8 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
 }
 
 // What is written is u, unless its jumps cost more force than asked: then it is the smoothed field, by which contact is judged, too, if
-// that is the better one.  Smoothing moves pairs: where jumps are large it spoils the law more than it mends the field.
+// that is the better one.  Smoothing moves pairs: where jumps are large it spoils the law more than it mends the field.  What round-off alone keeps
+// above the tolerance is no reason to leave the field as it is.
 Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps, SmoothingEffort effort) const {
   constexpr double kMargin = 0.8;
   const auto scope = time(Phase::Recover);
@@ -85,9 +86,9 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
     a.imbalanceNode = field.worstNode();
   };
   const double enough = options_.solver.tolerance * accuracy.ext;
-  const bool isAllElseRight = accuracy.errors.kkt() <= options_.solver.tolerance;
+  const bool isAllElseDone = accuracy.errors.kkt() <= std::max(options_.solver.tolerance, accuracy.floor);
   addField(accuracy);
-  if (!isAllElseRight || !(field.imbalance() > enough)) return accuracy;
+  if (!isAllElseDone || !(field.imbalance() > enough)) return accuracy;
   field.smooth(kMargin * enough, effort);
   Accuracy smoothed = accuracy;
   measureContactOf(input, *field.v(), *solution.lambda, smoothed);

@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Draws random scenes, runs them, checks each answer independently of the library, and prints a distribution and the worst.
 

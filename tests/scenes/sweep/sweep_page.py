@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 # SPDX-License-Identifier: BSD-3-Clause
 """Makes doc/sweep.md and its chart from the tables that sweep.py --csv writes.
 
