@@ -88,7 +88,7 @@ TEUCHOS_UNIT_TEST(Tied, FlatElementsAreDeflated) {
   TEST_ASSERT(result.solved);
   out << result.report.solver.hessianMultiplications << " multiplications, " << result.report.solver.deflation.motions << " motions\n";
   TEST_ASSERT(result.report.solver.deflation.motions > 0);
-  TEST_COMPARE(result.report.solver.hessianMultiplications, <=, 115);  // 259 without
+  TEST_COMPARE(result.report.solver.hessianMultiplications, <=, 40);  // 259 without, 36 where 20 iterations tell
 }
 
 // A tied interface and one with friction in the same model: what is tied is held.

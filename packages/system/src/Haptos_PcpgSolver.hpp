@@ -36,6 +36,7 @@ class PcpgSolver final : public ContactSolver {
   void deflate();
   double iterate(double tolerance, long most);
   bool converge(const SolveRequest& request);
+  bool mayDeflate() const;
 
   SolverContext context_;
   RCP<Vector> lambda_;      ///< G lambda = e

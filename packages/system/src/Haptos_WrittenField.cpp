@@ -17,7 +17,7 @@ WrittenField::WrittenField(const AccuracyInput& model, const Vector& u, const Ve
   project(*v_, Keep::Means);
   Vector change(*v_, Teuchos::Copy);
   change.update(-1.0, u, 1.0);
-  subtractForces(model_, change, *r_);
+  subtractForces(change, *r_);
   project(*r_, Keep::UnsupportedMeans);
   measure();
 }
@@ -69,11 +69,35 @@ RCP<Vector> WrittenField::makeDiagonal() const {
   return diagonal;
 }
 
+// K was let go when it was factored, and a product by elements integrates them anew: it takes as long as five by K (HEX8) to ten (HEX20).
+void WrittenField::assemble() {
+  const SubdomainStiffness& source = model_.systems.source();
+  K_.resize(std::size_t(source.size()));
+  for (int i = 0; i < source.size(); ++i)
+    if (source.copyOf(i) < 0) K_[std::size_t(i)] = source.assemble(i);
+}
+
+// x -= K p
+void WrittenField::subtractForces(const Vector& p, Vector& x) const {
+  if (K_.empty()) return Haptos::subtractForces(model_, p, x);
+  const SubdomainStiffness& source = model_.systems.source();
+  const auto displacement = p.getData(0);
+  const auto force = x.getDataNonConst(0);
+  const auto& offsets = model_.jump.primalOffsets();
+  for (int i = 0; i < source.size(); ++i) {
+    int original = i;
+    while (source.copyOf(original) >= 0) original = source.copyOf(original);
+    const auto& K = K_[std::size_t(original)];
+    const Eigen::Map<const Eigen::VectorXd> u(displacement.getRawPtr() + offsets[std::size_t(i)], K.rows());
+    Eigen::Map<Eigen::VectorXd>(force.getRawPtr() + offsets[std::size_t(i)], K.rows()) -= K.transpose() * u;  // symmetric: by rows
+  }
+}
+
 // z = D^-1 r,  p = z + beta p,  v += alpha p,  r -= alpha K p.  Copies of v are equal and share r, so that sums over copies are those over nodes.
 void WrittenField::smooth(double enough, SmoothingEffort effort) {
   // With contrasts of 1e6 some 10 are taken, with nu = 0.4999 some 60, with plates of aspect 100 some 400, with nu = 0.4999 and contrast 300 a
   // thousand.
-  constexpr int kUsual = 500, kLast = 5000, kLook = 50;
+  constexpr int kUsual = 500, kLast = 5000, kLook = 50, kFew = 10;
   const int steps = effort == SmoothingEffort::Last ? kLast : kUsual;
   const double first = imbalance_;
   const auto diagonal = makeDiagonal();
@@ -85,12 +109,13 @@ void WrittenField::smooth(double enough, SmoothingEffort effort) {
   // last half would save half of the steps that lead nowhere, and ends some that lead on (23 multiplications became 29).
   const auto isTooSlow = [&](int k) { return k >= kLook && k * std::log(best.imbalance / enough) > (steps - k) * std::log(first / best.imbalance); };
   for (int k = 0; k < steps && imbalance_ > enough && !isTooSlow(k); ++k) {
+    if (k == kFew) assemble();
     z.elementWiseMultiply(1.0, *diagonal, *r_, 0.0);
     const double before = rz;
     rz = r_->dot(z);
     p.update(1.0, z, k == 0 ? 0.0 : rz / before);
     Kp.putScalar(0.0);
-    subtractForces(model_, p, Kp);
+    subtractForces(p, Kp);
     project(Kp, Keep::UnsupportedMeans);
     const double pKp = -p.dot(Kp);
     if (!(pKp > 0)) break;

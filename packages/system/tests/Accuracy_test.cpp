@@ -224,6 +224,21 @@ TEUCHOS_UNIT_TEST(WrittenField, LastEffortGoesFurther) {
   TEST_ASSERT(last < 1e-10 && last < 0.1 * usual);
 }
 
+// After some steps K is assembled: what is left is what elements say of v.
+TEUCHOS_UNIT_TEST(WrittenField, ManyStepsKnowWhatIsLeft) {
+  const PressedBlocks blocks;
+  const auto input = blocks.input();
+  const auto u = blocks.onRanks(blocks.torn());
+  WrittenField field(input, *u, Vector(u->getMap()));
+  const double before = field.imbalance();
+  field.smooth(1e-3 * before);
+  TEST_COMPARE(field.imbalance(), <=, 1e-3 * before);
+  Vector change(*field.v(), Teuchos::Copy), residual(u->getMap());
+  change.update(-1.0, *u, 1.0);
+  subtractForces(input, change, residual);
+  TEST_FLOATING_EQUALITY(WrittenField(input, *field.v(), residual).imbalance(), field.imbalance(), 1e-6);
+}
+
 TEUCHOS_UNIT_TEST(Accuracy, ReactionsAreThoseOfTheClamp) {
   const PressedBlocks blocks;
   const auto offsets = blocks.scene.offsets();
