@@ -149,7 +149,7 @@ double PcpgSolver::iterate(double tolerance, long most) {
 bool PcpgSolver::mayDeflate() const { return deflated_.is_null() && !context_.system.preconditioner().is_null(); }
 
 // Where this takes many iterations at the rate of so far, soft motions of elements or subdomains are at fault: M is deflated, which costs an
-// application a coarse unknown.  Plates of elements 1 : 1 : .03 take 75 instead of 229; ordinary scenes end before.
+// application a coarse unknown.  Blocks of elements 1 : 1 : .03 take 36 instead of 259; ordinary scenes end before.
 bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
