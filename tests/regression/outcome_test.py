@@ -105,6 +105,16 @@ class Solved(SceneTest):
         self.assertEqual(summary["solver"]["method"], "SMALSE")
         self.assertAlmostEqual(summary["contact"]["joint"]["normal_force"], self.solve(stack())["contact"]["joint"]["normal_force"], delta=1e-5)
 
+    def test_slow_where_nothing_can_be_deflated(self):
+        """A lumped preconditioner has no other to give way to: conjugate gradients go on."""
+        values = {f"Materials__{name}__Poisson's_Ratio": 0.499 for name in ("steel", "aluminium")}
+        for ranks in RANKS:
+            summary = two_beams(self, ranks, example="table31", Preconditioner__Type="Lumped", Contact__interface__Friction__Law="Tied",
+                                Decomposition__Method="METIS", Mesh__Two_Beams__Subdomains_Per_Edge=1,
+                                Mesh__Two_Beams__Elements_Per_Subdomain_Edge=8, Solver__Relative_Tolerance=1e-9, **values)
+            self.assertGreater(summary["solver"]["hessian_multiplications"], 60)
+            self.assertEqual(summary["solver"]["deflation"]["motions"], 0)
+
     def test_bodies_moved_apart(self):
         """No stress anywhere: forces are round-off, which nothing may be divided by."""
         scene = stack()

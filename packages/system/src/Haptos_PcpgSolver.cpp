@@ -70,7 +70,7 @@ bool isTooSlow(long k, double residual, double tolerance) {
 
 }  // namespace
 
-PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
+PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)), mayDeflate_(!context_.system.preconditioner().is_null()) {
   begin(context_.start);
   if (context_.system.needsDeflation()) deflate();
   else use(context_.system.preconditioner());
@@ -89,6 +89,7 @@ void PcpgSolver::use(RCP<const Operator> M) {
 }
 
 void PcpgSolver::deflate() {
+  mayDeflate_ = false;
   deflated_ = context_.system.makeDeflated();
   use(deflated_.is_null() ? RCP<const Operator>(context_.system.preconditioner()) : RCP<const Operator>(deflated_));
 }
@@ -116,8 +117,9 @@ void PcpgSolver::begin(const RCP<const Vector>& start) {
   reference_ = b.norm2();
   // Loads that G^T alone carries leave round-off in b: to solve for that would take forever.
   if (reference_ <= kNothing * r->norm2()) reference_ = 0;
-  lambda_ = Teuchos::rcp(new Vector(*dual.lambdaIm, Teuchos::Copy));
-  if (reference_ > 0 && !start.is_null()) dual.P->apply(*start, *lambda_, Teuchos::NO_TRANS, 1.0, 1.0);
+  const bool isStarted = reference_ > 0 && !start.is_null();
+  lambda_ = Teuchos::rcp(new Vector(isStarted ? *start : *dual.lambdaIm, Teuchos::Copy));
+  if (isStarted) balance();
 }
 
 // r = h - F lambda + G^T a with any a, as p . G^T a = 0; P_D^T takes a such that it is small.
@@ -134,7 +136,7 @@ double PcpgSolver::iterate(double tolerance, long most) {
     const auto [rz, rr] = products(r, z);
     const double residual = std::sqrt(rr) / reference_;
     if (residual <= tolerance) return 0.0;
-    if (k == most || (mayDeflate() && isTooSlow(k, residual, tolerance))) return residual;
+    if (k == most || (mayDeflate_ && isTooSlow(k, residual, tolerance))) return residual;
     p.update(1.0, z, k == 0 ? 0.0 : rz / before);
     dual.F->apply(p, Fp);
     const double pFp = p.dot(Fp);
@@ -146,15 +148,13 @@ double PcpgSolver::iterate(double tolerance, long most) {
   }
 }
 
-bool PcpgSolver::mayDeflate() const { return deflated_.is_null() && !context_.system.preconditioner().is_null(); }
-
 // Where this takes many iterations at the rate of so far, soft motions of elements or subdomains are at fault: M is deflated, which costs an
 // application a coarse unknown.  Blocks of elements 1 : 1 : .03 take 36 instead of 259; ordinary scenes end before.
 bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
   if (iterate(request.tolerance, left()) == 0) return true;
-  if (!mayDeflate() || left() < 2) return false;
+  if (!mayDeflate_ || left() < 2) return false;
   deflate();
   return iterate(request.tolerance, left()) == 0;
 }

@@ -36,12 +36,12 @@ class PcpgSolver final : public ContactSolver {
   void deflate();
   double iterate(double tolerance, long most);
   bool converge(const SolveRequest& request);
-  bool mayDeflate() const;
 
   SolverContext context_;
   RCP<Vector> lambda_;      ///< G lambda = e
   double reference_ = 0;    ///< || P (h - F lambdaIm) || [length], what residuals are compared with; 0: loads need no lambda but lambdaIm
   std::unique_ptr<const BalancedPreconditioner> preconditioner_;
+  bool mayDeflate_;  ///< it was not tried yet: there may be nothing to deflate
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;
