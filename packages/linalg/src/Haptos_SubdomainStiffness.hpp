@@ -31,6 +31,9 @@ class SubdomainStiffness {
   /// \brief An earlier subdomain that has the same K and R, as far as that is known without them; -1: none.
   virtual int copyOf(int) const { return -1; }
 
+  /// \brief Whether `multiply` reads a matrix that is kept anyway: to assemble another saves nothing.
+  virtual bool isAssembled() const { return false; }
+
   /// \brief Ku += K u, not from the factor: what the check of an answer is made by.
   virtual void multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const = 0;
 };

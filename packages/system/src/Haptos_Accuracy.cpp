@@ -75,14 +75,16 @@ double measureTied(const MultiplierMap& multipliers, const Vector& s) {
 }  // namespace
 
 // x -= K u, subdomain by subdomain.
-void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x) {
+void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x, const StiffnessProduct& multiply) {
   const auto displacement = u.getData(0);
   const auto force = x.getDataNonConst(0);
   const auto& offsets = model.jump.primalOffsets();
   for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
     const Eigen::Index n = Eigen::Index(offsets[i + 1] - offsets[i]);
     Eigen::VectorXd Ku = Eigen::VectorXd::Zero(n);
-    model.systems.source().multiply(int(i), Eigen::Map<const Eigen::VectorXd>(displacement.getRawPtr() + offsets[i], n), Ku);
+    const Eigen::Map<const Eigen::VectorXd> local(displacement.getRawPtr() + offsets[i], n);
+    if (multiply) multiply(int(i), local, Ku);
+    else model.systems.source().multiply(int(i), local, Ku);
     Eigen::Map<Eigen::VectorXd>(force.getRawPtr() + offsets[i], n) -= Ku;
   }
 }

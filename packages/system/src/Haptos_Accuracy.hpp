@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Eigen/Core>
+#include <functional>
 #include "Haptos_DualProblem.hpp"
 #include "Haptos_KktMeasure.hpp"
 #include "Haptos_NodalGather.hpp"
@@ -48,8 +50,11 @@ struct AccuracyInput {
   LoadScales loads;
 };
 
-/// \brief x -= K u, subdomain by subdomain.
-void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x);
+/// Ku += K u of a local subdomain.
+using StiffnessProduct = std::function<void(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku)>;
+
+/// \brief x -= K u, subdomain by subdomain; without `multiply` by the source of the stiffness.
+void subtractForces(const AccuracyInput& model, const Vector& u, Vector& x, const StiffnessProduct& multiply = {});
 
 /// \brief eps || |K| |u| || [force], up to the change of u between neighbours: no smaller residual can be expected.  Collective.
 /// \param offsets [local subdomains + 1] in the primal map

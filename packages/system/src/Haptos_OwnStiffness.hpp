@@ -27,6 +27,7 @@ class OwnStiffness final : public SubdomainStiffness {
   Eigen::SparseMatrix<double> assemble(int i) const override;
   Eigen::MatrixXd kernel(int i) const override { return kernels_[std::size_t(i)]; }
   std::vector<int> surface(int) const override { return {}; }  ///< what rows of B touch is all that is known
+  bool isAssembled() const override { return true; }
   void multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const override;
 
   /// \brief Means of the diagonal at every node [nodes]: what the subdomain holds a node with.

@@ -1,15 +1,34 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_WrittenField.hpp"
 
+#include <Eigen/SparseCore>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <vector>
 
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_Reductions.hpp"
 
 namespace Haptos {
+namespace {
+
+// K was let go when it was factored, and a product by elements integrates them anew: it takes as long as five by K (HEX8) to ten (HEX20).
+// Empty where the source has K.
+StiffnessProduct assembledProduct(const SubdomainStiffness& source) {
+  if (source.isAssembled()) return {};
+  const auto K = std::make_shared<std::vector<Eigen::SparseMatrix<double>>>(std::size_t(source.size()));
+  for (int i = 0; i < source.size(); ++i)
+    if (source.copyOf(i) < 0) (*K)[std::size_t(i)] = source.assemble(i);
+  return [&source, K](int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) {
+    while (source.copyOf(i) >= 0) i = source.copyOf(i);
+    Ku += (*K)[std::size_t(i)].transpose() * u;  // symmetric: by rows
+  };
+}
+
+}  // namespace
 
 // u - v is not 0 on surfaces alone, and so K (u - v) is cheap and r 0 deep inside.
 WrittenField::WrittenField(const AccuracyInput& model, const Vector& u, const Vector& residual)
@@ -17,7 +36,7 @@ WrittenField::WrittenField(const AccuracyInput& model, const Vector& u, const Ve
   project(*v_, Keep::Means);
   Vector change(*v_, Teuchos::Copy);
   change.update(-1.0, u, 1.0);
-  subtractForces(change, *r_);
+  subtractForces(model_, change, *r_);
   project(*r_, Keep::UnsupportedMeans);
   measure();
 }
@@ -69,30 +88,6 @@ RCP<Vector> WrittenField::makeDiagonal() const {
   return diagonal;
 }
 
-// K was let go when it was factored, and a product by elements integrates them anew: it takes as long as five by K (HEX8) to ten (HEX20).
-void WrittenField::assemble() {
-  const SubdomainStiffness& source = model_.systems.source();
-  K_.resize(std::size_t(source.size()));
-  for (int i = 0; i < source.size(); ++i)
-    if (source.copyOf(i) < 0) K_[std::size_t(i)] = source.assemble(i);
-}
-
-// x -= K p
-void WrittenField::subtractForces(const Vector& p, Vector& x) const {
-  if (K_.empty()) return Haptos::subtractForces(model_, p, x);
-  const SubdomainStiffness& source = model_.systems.source();
-  const auto displacement = p.getData(0);
-  const auto force = x.getDataNonConst(0);
-  const auto& offsets = model_.jump.primalOffsets();
-  for (int i = 0; i < source.size(); ++i) {
-    int original = i;
-    while (source.copyOf(original) >= 0) original = source.copyOf(original);
-    const auto& K = K_[std::size_t(original)];
-    const Eigen::Map<const Eigen::VectorXd> u(displacement.getRawPtr() + offsets[std::size_t(i)], K.rows());
-    Eigen::Map<Eigen::VectorXd>(force.getRawPtr() + offsets[std::size_t(i)], K.rows()) -= K.transpose() * u;  // symmetric: by rows
-  }
-}
-
 // z = D^-1 r,  p = z + beta p,  v += alpha p,  r -= alpha K p.  Copies of v are equal and share r, so that sums over copies are those over nodes.
 void WrittenField::smooth(double enough, SmoothingEffort effort) {
   // With contrasts of 1e6 some 10 are taken, with nu = 0.4999 some 60, with plates of aspect 100 some 400, with nu = 0.4999 and contrast 300 a
@@ -104,18 +99,19 @@ void WrittenField::smooth(double enough, SmoothingEffort effort) {
   diagonal->reciprocal(*diagonal);
   Vector z(v_->getMap()), p(v_->getMap()), Kp(v_->getMap());
   Best best{Teuchos::rcp(new Vector(*v_, Teuchos::Copy)), imbalance_, worstNode_};
+  StiffnessProduct multiply;  // by elements at first
   double rz = 0;
   // What cannot end within the bound at the rate of so far is left to the method, whose multiplications by F are then the cheaper way.  The rate of the
   // last half would save half of the steps that lead nowhere, and ends some that lead on (23 multiplications became 29).
   const auto isTooSlow = [&](int k) { return k >= kLook && k * std::log(best.imbalance / enough) > (steps - k) * std::log(first / best.imbalance); };
   for (int k = 0; k < steps && imbalance_ > enough && !isTooSlow(k); ++k) {
-    if (k == kFew) assemble();
+    if (k == kFew) multiply = assembledProduct(model_.systems.source());
     z.elementWiseMultiply(1.0, *diagonal, *r_, 0.0);
     const double before = rz;
     rz = r_->dot(z);
     p.update(1.0, z, k == 0 ? 0.0 : rz / before);
     Kp.putScalar(0.0);
-    subtractForces(p, Kp);
+    subtractForces(model_, p, Kp, multiply);
     project(Kp, Keep::UnsupportedMeans);
     const double pKp = -p.dot(Kp);
     if (!(pKp > 0)) break;

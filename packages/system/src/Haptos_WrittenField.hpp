@@ -1,8 +1,5 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
-#include <Eigen/SparseCore>
-#include <vector>
-
 #include "Haptos_Accuracy.hpp"
 
 namespace Haptos {
@@ -41,12 +38,9 @@ class WrittenField {
   void project(Vector& x, Keep keep) const;
   RCP<Vector> makeDiagonal() const;
   void measure();
-  void assemble();
-  void subtractForces(const Vector& p, Vector& x) const;
 
   const AccuracyInput& model_;
   RCP<Vector> v_, r_;  // each copy has the same share of r_
-  std::vector<Eigen::SparseMatrix<double>> K_;  // of the subdomains that are no copies of earlier ones, where many products are made; else empty
   double imbalance_ = 0;
   std::int64_t worstNode_ = -1;
 };
