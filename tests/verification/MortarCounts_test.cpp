@@ -136,6 +136,15 @@ TEUCHOS_UNIT_TEST(MortarCounts, at_most_1_3_times_those_of_matching_meshes_in_as
   }
 }
 
+TEUCHOS_UNIT_TEST(MortarCounts, at_most_1_3_times_those_of_matching_meshes_in_few_and_many_parts) {
+  for (const int subdomains : {8, 16, 64, 128})
+    for (const double contrast : kContrasts) {
+      const Beams as{8, 8, 0, contrast, "METIS", subdomains};
+      const long matching = multiplications(as, out, success);
+      for (const Beams& beams : unlike(8)) compare(matching, beams, as, out, success);
+    }
+}
+
 // In 32 parts, bodies get as many as they have elements for.  METIS cuts each beam of the matching mesh into 16 cubes, which take 16 to 19
 // multiplications; 15 or 17 parts take 3 more, 4 and 28 up to 7 more, on the matching mesh as well.  Meshes are compared here, not cuts: the
 // matching mesh is cut into as many parts a body.

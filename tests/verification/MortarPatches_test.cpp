@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Patches of distorted elements of all kinds on each other: uniform pressure and stress, however they are meshed, turned and cut.
 #include <Teuchos_UnitTestHarness.hpp>
-#include <Tpetra_Core.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -31,8 +30,6 @@ struct Patch {
   double friction = 0;
   std::string discretization = "Mortar";  ///< that "Automatic" chooses
 };
-
-bool isAlone() { return Tpetra::getDefaultComm()->getSize() == 1; }
 
 // A number in [-1, 1] that depends on the place and component alone.
 double noise(const Array3& x, int component) {
@@ -225,7 +222,6 @@ TEUCHOS_UNIT_TEST(MortarPatches, where_one_body_of_quadratic_elements_is_larger)
     for (const Cell smaller : {Cell::Hexahedron, Cell::Tetrahedra})
       for (const bool isUpper : {false, true}) {
         if (smaller == Cell::Tetrahedra && order == ElementOrder::FullQuadratic) continue;
-        if (!isAlone() && smaller == Cell::Hexahedron) continue;
         Patch patch;
         patch.order = order;
         patch.lower = {3, 3, 1};
@@ -235,7 +231,7 @@ TEUCHOS_UNIT_TEST(MortarPatches, where_one_body_of_quadratic_elements_is_larger)
         (isUpper ? patch.upperDistortion : patch.lowerDistortion) = 0.25;
         for (const double friction : {0.0, 0.3}) {
           patch.friction = friction;
-          if (isAlone() || friction > 0) checkPatch(patch, out, success);
+          checkPatch(patch, out, success);
         }
       }
 }
@@ -257,7 +253,7 @@ TEUCHOS_UNIT_TEST(MortarPatches, larger_body_of_tetrahedra_or_wedges) {
         for (const double friction : {0.0, 0.3}) {
           patch.friction = friction;
           patch.subdomains = friction > 0 ? 16 : 4;
-          if (isAlone() || friction > 0) checkPatch(patch, out, success);
+          checkPatch(patch, out, success);
         }
       }
 }
@@ -278,23 +274,18 @@ const std::vector<ElementsOfBodies> kPairings = {{"HEX8", ElementOrder::Linear, 
                                                  {"HEX8 on TETRA4", ElementOrder::Linear, Cell::Tetrahedra, Cell::Hexahedron},
                                                  {"HEX20 on TETRA10", ElementOrder::Quadratic, Cell::Tetrahedra, Cell::Hexahedron}};
 
-// On one rank with friction and without; on several, where runs take longer, by turns.
 void checkInManySubdomains(Patch patch, const ElementsOfBodies& elements, Teuchos::FancyOStream& out, bool& success) {
-  bool hasFriction = patch.lower != patch.upper;
   patch.lowerCell = elements.lower;
   patch.upperCell = elements.upper;
   patch.order = elements.order;
   patch.lowerDistortion = patch.upperDistortion = 0.25;
-  for (const int subdomains : {4, 16, 50}) {
-    hasFriction = !hasFriction;
+  for (const int subdomains : {4, 16, 50})
     for (const double friction : {0.0, 0.3}) {
-      if (!isAlone() && hasFriction != (friction > 0)) continue;
       patch.subdomains = subdomains;
       patch.friction = friction;
       out << elements.name << ", friction " << friction << ": ";
       checkPatch(patch, out, success);
     }
-  }
 }
 
 TEUCHOS_UNIT_TEST(MortarPatches, in_many_subdomains) {
