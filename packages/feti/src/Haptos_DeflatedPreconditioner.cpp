@@ -5,6 +5,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <type_traits>
 
 #include "Haptos_ContactBlock.hpp"
@@ -123,10 +124,9 @@ Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::denseOf(int congruenceClass) const {
-  const Eigen::Index n = Eigen::Index(base_->surface().boundary(congruenceClass).size());
-  Eigen::MatrixXd S(n, n);
-  base_->surface().apply(congruenceClass, Eigen::MatrixXd::Identity(n, n), S);
-  return 0.5 * (S + S.transpose());
+  std::vector<int> all(base_->surface().boundary(congruenceClass).size());
+  std::iota(all.begin(), all.end(), 0);
+  return base_->surface().block(congruenceClass, all);
 }
 
 // Congruent subdomains with the same neighbours have the same modes: weights are compared by their products with one vector.
@@ -166,7 +166,7 @@ void DeflatedPreconditioner::average(MultiVector& t) const {
   t.update(-1.0, half, 1.0);
 }
 
-// t_i := local(class, t_i) on the boundary unknowns of every subdomain where t is not zero, all columns at once
+// t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there: averaged motions are on few
 template <class Local>
 void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   const auto& offsets = base_->jump().primalOffsets();
@@ -174,13 +174,18 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   for (int i = 0; i < base_->systems().size(); ++i) {
     const int c = base_->systems()[i].congruenceClass;
     const auto& dofs = base_->surface().boundary(c);
-    Eigen::MatrixXd x(Eigen::Index(dofs.size()), columns.cols());
-    for (Eigen::Index v = 0; v < x.cols(); ++v)
-      for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), v) = columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v);
-    if (x.isZero(0)) continue;
+    const auto at = [&](std::size_t k, Eigen::Index v) -> double& { return columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v); };
+    std::vector<Eigen::Index> filled;
+    for (Eigen::Index v = 0; v < columns.cols(); ++v)
+      for (std::size_t k = 0; k < dofs.size() && (filled.empty() || filled.back() != v); ++k)
+        if (at(k, v) != 0) filled.push_back(v);
+    if (filled.empty()) continue;
+    Eigen::MatrixXd x(Eigen::Index(dofs.size()), Eigen::Index(filled.size()));
+    for (std::size_t v = 0; v < filled.size(); ++v)
+      for (std::size_t k = 0; k < dofs.size(); ++k) x(Eigen::Index(k), Eigen::Index(v)) = at(k, filled[v]);
     local(c, x);
-    for (Eigen::Index v = 0; v < x.cols(); ++v)
-      for (std::size_t k = 0; k < dofs.size(); ++k) columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v) = x(Eigen::Index(k), v);
+    for (std::size_t v = 0; v < filled.size(); ++v)
+      for (std::size_t k = 0; k < dofs.size(); ++k) at(k, filled[v]) = x(Eigen::Index(k), Eigen::Index(v));
   }
 }
 
