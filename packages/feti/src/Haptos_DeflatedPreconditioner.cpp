@@ -157,15 +157,6 @@ void DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>&
     if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i])), motions_[i]);
 }
 
-// t := t - B_D^T B t, the mean of the copies weighted by stiffness, at closed contact of both sides too: B t = 0 after it, as
-// B B_D^T = 1
-void DeflatedPreconditioner::average(MultiVector& t) const {
-  MultiVector jumps(getRangeMap(), t.getNumVectors()), half(t.getMap(), t.getNumVectors());
-  base_->jump().apply(t, jumps);
-  base_->spread(jumps, half);
-  t.update(-1.0, half, 1.0);
-}
-
 // t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there: averaged motions are on few
 template <class Local>
 void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
@@ -227,7 +218,7 @@ void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t,
 void DeflatedPreconditioner::averageMotions(MultiVector& t) const {
   Teuchos::Array<double> before(t.getNumVectors()), after(t.getNumVectors());
   t.norm2(before());
-  average(t);
+  base_->average(t);
   t.norm2(after());
   for (std::size_t j = 0; j < t.getNumVectors(); ++j)
     if (after[Teuchos_Ordinal(j)] <= kCancelled * before[Teuchos_Ordinal(j)]) t.getVectorNonConst(j)->putScalar(0.0);

@@ -67,7 +67,6 @@ class DeflatedPreconditioner final : public Operator {
   void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
-  void average(MultiVector& t) const;
   void averageMotions(MultiVector& t) const;
   void applyRest(MultiVector& t) const;
   template <class Local>

@@ -72,6 +72,13 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   gram_->apply(z, y);
 }
 
+void DualPreconditioner::average(MultiVector& t) const {
+  MultiVector jumps(getRangeMap(), t.getNumVectors(), false), apart(t.getMap(), t.getNumVectors(), false);
+  jump_->apply(t, jumps);
+  spread(jumps, apart);
+  t.update(-1.0, apart, 1.0);
+}
+
 // M x = B_D S B_D^T x, vector by vector in workspaces that stay
 void DualPreconditioner::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   if (t_.is_null()) t_ = Teuchos::rcp(new MultiVector(jump_->getDomainMap(), 1, false));

@@ -39,6 +39,9 @@ class DualPreconditioner final : public Operator {
   void spread(const MultiVector& x, MultiVector& t) const;
   /// \brief y := B_D t, primal to dual; t is changed.  Collective.
   void collect(MultiVector& t, MultiVector& y) const;
+  /// \brief t := t - B_D^T B t, primal: the mean of copies weighted by stiffness, at closed contact of both sides too; B t = 0 after it,
+  /// as B B_D^T = 1.  Collective.
+  void average(MultiVector& t) const;
 
   const JumpOperator& jump() const { return *jump_; }
   const RowGram& gram() const { return *gram_; }

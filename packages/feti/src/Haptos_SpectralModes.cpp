@@ -26,16 +26,14 @@ void forEachGroup(const DualPreconditioner& M, int prime, Take&& take) {
   const auto& offsets = M.jump().primalOffsets();
   for (int first = 0; first < prime; first += kColumns) {
     const int width = std::min(kColumns, prime - first);
-    MultiVector t(M.jump().getDomainMap(), std::size_t(width)), jumps(M.getRangeMap(), std::size_t(width)), apart(t.getMap(), std::size_t(width));
+    MultiVector t(M.jump().getDomainMap(), std::size_t(width));
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
       const int column = (M.jump().firstSubdomain() + int(i)) % prime - first;
       if (column < 0 || column >= width) continue;
       const auto data = t.getDataNonConst(std::size_t(column));
       std::fill(data.begin() + std::ptrdiff_t(offsets[i]), data.begin() + std::ptrdiff_t(offsets[i + 1]), 1.0);
     }
-    M.jump().apply(t, jumps);
-    M.spread(jumps, apart);
-    t.update(-1.0, apart, 1.0);
+    M.average(t);
     for (int j = 0; j < width; ++j) take(first + j, t.getData(std::size_t(j)));
   }
 }
