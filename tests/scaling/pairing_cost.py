@@ -50,7 +50,8 @@ def instructions(program, folder):
     environment = dict(os.environ, OPENBLAS_NUM_THREADS="1", OPENBLAS_CORETYPE="Haswell")
     subprocess.run(["valgrind", "-q", "--tool=callgrind", f"--callgrind-out-file={profile}", program, "scene.xml", "--validate-only"], cwd=folder,
                    env=environment, check=True, stdout=subprocess.DEVNULL)
-    text = subprocess.run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", str(profile)], check=True, capture_output=True, text=True).stdout
+    text = subprocess.run(["callgrind_annotate", "--inclusive=yes", "--threshold=100", str(profile)], check=True, capture_output=True,
+                          text=True).stdout
     counts = {}
     for name, function in COUNTED.items():
         found = re.search(rf"^\s*([\d,]+) .*:Haptos::{function}\(", text, re.MULTILINE)
