@@ -34,6 +34,7 @@ PivotedCholesky::PivotedCholesky(Eigen::MatrixXd A, double least) : size_(A.rows
 
 Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
   Eigen::MatrixXd X(rank(), B.cols()), all = Eigen::MatrixXd::Zero(size_, B.cols());
+  if (X.size() == 0) return all;  // a rank without contact rows asks for no column, and Eigen would take the address of the first
   for (Eigen::Index k = 0; k < rank(); ++k) X.row(k) = B.row(pivots_[std::size_t(k)]);
   const auto L = L_.triangularView<Eigen::Lower>();
   L.solveInPlace(X);
