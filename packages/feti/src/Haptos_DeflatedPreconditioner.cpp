@@ -165,11 +165,11 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   for (int i = 0; i < base_->systems().size(); ++i) {
     const int c = base_->systems()[i].congruenceClass;
     const auto& dofs = base_->surface().boundary(c);
-    const auto at = [&](std::size_t k, Eigen::Index v) -> double& { return columns(Eigen::Index(offsets[std::size_t(i)]) + dofs[k], v); };
+    const Eigen::Index offset = Eigen::Index(offsets[std::size_t(i)]);
+    const auto at = [&](std::size_t k, Eigen::Index v) -> double& { return columns(offset + dofs[k], v); };
     std::vector<Eigen::Index> filled;
     for (Eigen::Index v = 0; v < columns.cols(); ++v)
-      for (std::size_t k = 0; k < dofs.size() && (filled.empty() || filled.back() != v); ++k)
-        if (at(k, v) != 0) filled.push_back(v);
+      if (std::any_of(dofs.begin(), dofs.end(), [&](int dof) { return columns(offset + dof, v) != 0; })) filled.push_back(v);
     if (filled.empty()) continue;
     Eigen::MatrixXd x(Eigen::Index(dofs.size()), Eigen::Index(filled.size()));
     for (std::size_t v = 0; v < filled.size(); ++v)

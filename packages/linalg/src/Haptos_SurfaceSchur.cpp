@@ -16,16 +16,12 @@ namespace {
 
 constexpr Eigen::Index blockWidth = 64;  // columns at a time: products of matrices, and a workspace with a bound
 
-// Where an entry of a sparse matrix is met, it takes part in all columns, which then lie beside each other: by columns the products took as long
-// as the solves.
-using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-
-/// Y := Y - A^T X
-template <class Target>
-void subtractTransposed(const Eigen::SparseMatrix<double>& A, const Eigen::MatrixXd& X, Target&& Y) {
-  const ByRows x = X;
-  const ByRows product = A.transpose() * x;
-  Y -= product;
+/// A X with the columns beside each other, so that an entry of A is met once for all of them: by columns the products took as long as the solves.
+template <class Sparse>
+Eigen::MatrixXd timesColumns(const Sparse& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const ByRows x = X, product = A * x;
+  return product;
 }
 
 /// Whether unknowns come in threes, those of a node in a row.
@@ -131,15 +127,12 @@ void SurfaceSchur::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<
 
 /// Y := K_bb X - K_bi K_ii^+ K_ib X; K_ib X lies in the range of K_ii, so any generalised inverse will do.
 void SurfaceSchur::applyDouble(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
-  const ByRows x = X;
-  const ByRows y = double_.Kbb.transpose() * x;  // symmetric; sums by columns write nothing but their result
-  Y = y;
+  Y = timesColumns(double_.Kbb.transpose(), X);  // symmetric; sums by columns write nothing but their result
   if (!interior_) return;
-  const ByRows f = double_.Kib * x;
-  const Eigen::MatrixXd force = f;
+  const Eigen::MatrixXd force = timesColumns(double_.Kib, X);
   Eigen::MatrixXd motion(force.rows(), force.cols());
   interior_->solve(force, motion);
-  subtractTransposed(double_.Kib, motion, Y);
+  Y -= timesColumns(double_.Kib.transpose(), motion);
 }
 
 /// The same, x / unit and f / scale in single precision, each at most about 1; K_ii^+ gets f in its own units.
@@ -190,7 +183,7 @@ Eigen::MatrixXd SurfaceSchur::block(const std::vector<int>& c) const {
     const Eigen::MatrixXd force = K.Kib.middleCols(first, width);
     Eigen::MatrixXd motion(force.rows(), width);
     interior_->solve(force, motion);
-    subtractTransposed(K.Kib, motion, S.middleCols(first, width));
+    S.middleCols(first, width) -= timesColumns(K.Kib.transpose(), motion);
   }
   return 0.5 * (S + S.transpose());
 }

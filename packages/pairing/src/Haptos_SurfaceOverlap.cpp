@@ -33,13 +33,9 @@ FaceValues valuesAt(const ProjectedFace& face, const Point2& x) {
 // Triangles from a corner, or smaller ones from the middle.
 std::vector<Polygon> fanOf(const Polygon& polygon, bool fromMiddle) {
   std::vector<Polygon> fan;
-  const std::size_t n = polygon.size();
-  const Point2 middle = centroidOf(polygon);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t next = (i + 1) % n;
-    if (fromMiddle) fan.push_back({middle, polygon[i], polygon[next]});
-    else if (i > 0 && next > 0) fan.push_back({polygon[0], polygon[i], polygon[next]});
-  }
+  const Point2 apex = fromMiddle ? centroidOf(polygon) : polygon[0];
+  const std::size_t first = fromMiddle ? 0 : 1, last = polygon.size() - first;
+  for (std::size_t i = first; i < last; ++i) fan.push_back({apex, polygon[i], polygon[(i + 1) % polygon.size()]});
   return fan;
 }
 
