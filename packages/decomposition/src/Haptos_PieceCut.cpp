@@ -15,6 +15,7 @@
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_RoundParts.hpp"
+#include "Haptos_SmoothWalls.hpp"
 
 namespace Haptos {
 namespace {
@@ -90,12 +91,13 @@ double couplingsCut(const DualGraph& graph, const std::vector<int>& part) {
   return sum;
 }
 
-// Walls of a Voronoi diagram know centroids alone: through a layer of long tetrahedra they leave teeth, as slender as the elements
-// are.  Then METIS' parts stay (decisions/039).
+// Walls of a Voronoi diagram know centroids alone: among tetrahedra they have teeth, as slender as the elements are, which are taken off.  Where
+// more than that is left METIS' parts stay (decisions/039, 048).
 void roundWithoutTeeth(const PieceToCut& piece, std::vector<int>& part) {
   constexpr double kTeeth = 1.25;  // couplings cut, to those of METIS: 0.8 to 1.1 in ordinary meshes, 1.4 to 6 with teeth
   std::vector<int> round = part;
   roundParts(piece.graph, piece.centroids, std::vector<double>(std::size_t(piece.parts), double(part.size()) / piece.parts), round);
+  smoothWalls(piece.graph, round);
   if (couplingsCut(piece.graph, round) <= kTeeth * couplingsCut(piece.graph, part)) part = std::move(round);
 }
 

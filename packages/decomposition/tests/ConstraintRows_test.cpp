@@ -61,7 +61,7 @@ double smallestSingularValue(const Scene& scene) {
 
 TEUCHOS_UNIT_TEST(ConstraintRows, GluingAndDirichletRowsAreOrthonormal) {
   SceneOptions options = clampedAtEnd();
-  options.subdomains = 9;
+  options.subdomains = 12;
   const Scene scene = makeScene(options);
   const Dense BE = denseB(scene).topRows(scene.rows.numEquality);
   std::map<std::int64_t, int> copies;
