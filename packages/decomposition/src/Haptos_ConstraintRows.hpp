@@ -54,10 +54,4 @@ struct RowSources {
 /// \brief The pairs of all interfaces, each in its place.
 std::vector<PlacedPair> placedPairs(const std::vector<ContactInterface>& interfaces);
 
-/// \brief Stiffness weight of the nodes, sum of E h over the elements at a node [force/length].
-///
-/// h is the mean distance of an element's nodes to their centroid, which does not depend on axes.
-/// \param youngsModulus [materials]
-std::vector<double> nodalStiffness(const Subdomain& sub, const std::vector<double>& youngsModulus);
-
 }  // namespace Haptos

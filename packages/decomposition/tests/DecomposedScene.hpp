@@ -17,6 +17,7 @@
 #include "Haptos_ContactPairs.hpp"
 #include "Haptos_JumpOperator.hpp"
 #include "Haptos_Partition.hpp"
+#include "Haptos_StiffnessAssembler.hpp"
 #include "Haptos_LinearElasticity.hpp"
 #include "Haptos_TpetraCompat.hpp"
 #include "SerialRows.hpp"
@@ -216,7 +217,7 @@ struct Dealt {
 /// Prescribed values and pairs come from all ranks in turns.
 inline RowSources rowSources(const Communicator& comm, const Scene& scene, const std::vector<Subdomain>& mine) {
   RowSources sources;
-  for (const auto& sub : mine) sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub, {7.0, 21.0})});
+  for (const auto& sub : mine) sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, {7.0, 21.0})});
   const auto isMine = [&](std::size_t i) { return int(i) % comm.getSize() == comm.getRank(); };
   for (std::size_t i = 0; i < scene.prescribed.size(); ++i)
     if (isMine(i)) sources.prescribed.push_back(scene.prescribed[i]);

@@ -9,6 +9,7 @@
 #include "Haptos_ConstraintRows.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_StiffnessAssembler.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos::Testing {
@@ -67,7 +68,7 @@ inline NodeCopies findCopies(const Mesh& mesh, const std::vector<Subdomain>& sub
   result.copies.resize(result.offsets.back());
   std::vector<std::size_t> next(result.offsets.begin(), result.offsets.end() - 1);
   for (const auto& sub : subdomains) {
-    const auto weights = nodalStiffness(sub, youngsModulus);
+    const auto weights = nodalStiffness(sub.coordinates, sub.groups, youngsModulus);
     for (int i = 0; i < sub.numNodes(); ++i) result.copies[next[sub.nodes[i]]++] = {sub.id, i, weights[i]};
   }
   return result;

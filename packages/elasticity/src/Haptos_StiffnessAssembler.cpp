@@ -181,4 +181,18 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
   }
 }
 
+std::vector<double> nodalStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
+                                   const std::vector<double>& youngsModulus) {
+  std::vector<double> weights(coordinates.size(), 0.0);
+  for (const auto& group : groups)
+    withShape(group.topology, [&](auto shape) {
+      for (int e = 0; e < group.numElements(); ++e) {
+        const auto gradients = elementGradients<decltype(shape)>(coordinates, group, e);
+        const Eigen::VectorXd squares = gradients.at.cwiseAbs2() * gradients.volumes * youngsModulus[std::size_t(group.material)];
+        for (int a = 0; a < gradients.numNodes(); ++a) weights[std::size_t(group.nodes(e)[a])] += squares.segment<3>(3 * a).sum();
+      }
+    });
+  return weights;
+}
+
 }  // namespace Haptos

@@ -29,4 +29,12 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
                     const std::vector<IsotropicMaterial>& materials, Formulation formulation,
                     const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku);
 
+/// \brief Stiffness weight of the nodes [numNodes], force per length: sum over the elements of E int |grad N_a|^2, what the diagonal of K
+/// has at a node but for Poisson's ratio and directions.
+///
+/// \param youngsModulus [materials]
+/// \throws InputError for a bad element (see `elementGradients`).
+std::vector<double> nodalStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
+                                   const std::vector<double>& youngsModulus);
+
 }  // namespace Haptos

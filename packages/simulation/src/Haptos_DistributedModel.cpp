@@ -10,6 +10,7 @@
 #include "Haptos_NodalGather.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_StiffnessAssembler.hpp"
 #include "Haptos_SubdomainCopies.hpp"
 #include "Haptos_SubdomainOrder.hpp"
 #include "Haptos_UnpairedNodes.hpp"
@@ -82,7 +83,10 @@ RowSources rowSources(const DistributedModel& model, const std::vector<ContactIn
   std::vector<double> youngsModulus;
   for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
   RowSources sources;
-  for (const auto& sub : model.subdomains) sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub, youngsModulus)});
+  runOnAllRanks(*model.comm, [&] {
+    for (const auto& sub : model.subdomains)
+      sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus)});
+  });
   sources.prescribed = model.prescribed;
   sources.pairs = placedPairs(interfaces);
   for (std::size_t k = 0; k < model.data.friction.size(); ++k) {
