@@ -63,7 +63,9 @@ class Walls {
     Shares shares;
     for (int p : part_) sum_.add(p, 1.0), sum_.moveTo(shares);
     for (int i = 0; i < steps; ++i) shares = walked(shares);
-    return chosen(shares, kMargin);
+    std::size_t moved = 0;
+    for (std::size_t e = 0; e < part_.size(); ++e) moved += move(e, shares.begin(e), shares.end(e), kMargin);
+    return moved;
   }
 
   // One after the other, so that what is cut falls with every move.
@@ -121,12 +123,6 @@ class Walls {
     for (auto k = std::size_t(graph_.offsets[e]); inside && k < std::size_t(graph_.offsets[e + 1]); ++k)
       inside = u.isAll(std::size_t(graph_.neighbours[k]), own);
     return inside || weights_[e] == 0;
-  }
-
-  std::size_t chosen(const Shares& shares, double margin) {
-    std::size_t moved = 0;
-    for (std::size_t e = 0; e < part_.size(); ++e) moved += move(e, shares.begin(e), shares.end(e), margin);
-    return moved;
   }
 
   // To the part with most shares that has room, if the own one can spare an element.
