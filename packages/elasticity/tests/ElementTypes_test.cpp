@@ -216,6 +216,20 @@ TEUCHOS_UNIT_TEST(ElementTypes, ForceEqualsStiffnessTimesDisplacement) {
     }
 }
 
+// tr K_aa = (lambda + 4 shear) int |grad N_a|^2
+TEUCHOS_UNIT_TEST(ElementTypes, WeightsAreTheDiagonalOfTheStiffness) {
+  const ElasticModuli moduli = elasticModuli(steel()[0]);
+  for (const Topology topology : allTopologies()) {
+    const Solid solid = singleElement(topology, curved);
+    const MatrixXd k = assembleStiffness(solid.coordinates, solid.groups, steel(), Formulation::Standard);
+    const auto weights = nodalStiffness(solid.coordinates, solid.groups, {steel()[0].youngsModulus});
+    TEST_EQUALITY(3 * Eigen::Index(weights.size()), k.rows());
+    for (Eigen::Index a = 0; a < Eigen::Index(weights.size()); ++a)
+      TEST_FLOATING_EQUALITY(k.diagonal().segment<3>(3 * a).sum(),
+                             (moduli.lambda + 4 * moduli.shear) / steel()[0].youngsModulus * weights[std::size_t(a)], 1e-12);
+  }
+}
+
 TEUCHOS_UNIT_TEST(ElementTypes, BadElementsAreRefusedByTheirPlace) {
   const auto refusal = [&](const Solid& solid) -> std::string {
     try {
