@@ -72,8 +72,10 @@ class Walls {
   std::size_t takeMajorities() {
     constexpr double kMargin = 1.01;  // round-off moves nothing
     std::size_t moved = 0;
+    Shares shares;  // of one element
     for (std::size_t e = 0; e < part_.size(); ++e) {
-      Shares shares;
+      shares.items.clear();
+      shares.offsets.resize(1);
       forEachNeighbour(e, [&](std::size_t f, double coupling) { sum_.add(part_[f], weights_[e] * coupling); });
       sum_.moveTo(shares);
       moved += move(e, shares.begin(0), shares.end(0), kMargin);
