@@ -27,7 +27,7 @@ std::vector<Index> neighboursOutside(const DualGraph& graph, Index first, Index 
 /// Components of this rank's elements alone, and how they hang together with those of others.
 class LabelSpreading {
  public:
-  LabelSpreading(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const std::vector<int>& colour)
+  LabelSpreading(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const std::vector<int>& colour)
       : comm_(comm), own_(own), first_(own.firstElement()), halo_(comm, own, graph) {
     joinOwn(graph, colour);
     std::vector<int> outside;
@@ -112,7 +112,7 @@ class LabelSpreading {
   }
 
   const Communicator& comm_;
-  const OwnElements& own_;
+  const ElementRange& own_;
   Index first_;
   Halo halo_;
   std::vector<int> part_;      // [own elements] component among them
@@ -122,9 +122,9 @@ class LabelSpreading {
 
 }  // namespace
 
-Halo::Halo(const Communicator& comm, const OwnElements& own, const DualGraph& graph)
+Halo::Halo(const Communicator& comm, const ElementRange& own, const DualGraph& graph)
     : first_(own.firstElement()),
-      end_(first_ + Index(own.part.elements.size())),
+      end_(first_ + Index(own.numElements())),
       elements_(neighboursOutside(graph, first_, end_)),
       values_(comm, own.elements, elements_) {}
 
@@ -134,7 +134,7 @@ int Halo::position(Index neighbour) const {
 }
 
 // Labels are elements; sizes are counted where they are known in part, and added up everywhere: components are few.
-Components connectedComponents(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const std::vector<int>& colour) {
+Components connectedComponents(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const std::vector<int>& colour) {
   const auto labels = LabelSpreading(comm, own, graph, colour).run();
   struct Counted {
     Index label, elements;

@@ -22,7 +22,7 @@ struct Components {
 /// pointer jumping: shiloach-vishkin-1982), so that a handful of exchanges does.
 /// \param graph rows of this rank's elements
 /// \param colour [this rank's elements]; empty: all alike
-Components connectedComponents(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const std::vector<int>& colour);
+Components connectedComponents(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const std::vector<int>& colour);
 
 /// \brief The same of a graph that is here as a whole: [elements] the component, numbered by its first element.  Serial.
 std::vector<int> connectedComponents(const DualGraph& graph, const std::vector<int>& colour, int& count);

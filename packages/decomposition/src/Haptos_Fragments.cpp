@@ -134,7 +134,7 @@ int mendParts(const DualGraph& graph, std::vector<int>& part) {
 }
 
 // The fragments of a large mesh are few and known to all; they are mended alike on every rank, from sides that all have gathered.
-MendedParts mendParts(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
+MendedParts mendParts(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Components& pieces,
                       std::vector<int>& part) {
   const Components found = connectedComponents(comm, own, graph, part);
   std::vector<FragmentOrigin> origins;

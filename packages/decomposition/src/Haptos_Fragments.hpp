@@ -31,7 +31,7 @@ struct MendedParts {
   std::vector<int> firstPiece;  ///< [parts] piece of the part's first element; the same on all ranks
   int moved = 0;
 };
-MendedParts mendParts(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
+MendedParts mendParts(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Components& pieces,
                       std::vector<int>& part);
 
 }  // namespace Haptos

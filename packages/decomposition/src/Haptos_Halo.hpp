@@ -12,7 +12,7 @@ namespace Haptos {
 class Halo {
  public:
   /// \brief Collective.
-  Halo(const Communicator& comm, const OwnElements& own, const DualGraph& graph);
+  Halo(const Communicator& comm, const ElementRange& own, const DualGraph& graph);
   /// \brief `valueAt(e)` of every element in the halo, by its holder.  Collective.
   template <class ValueAt>
   auto fetch(ValueAt&& valueAt) const {

@@ -18,15 +18,21 @@ struct PartialMesh {
   std::vector<std::int64_t> elements;  ///< [mesh.numElements()] index in the whole mesh, ascending
 };
 
-/// \brief The elements of this rank's range, and who else has elements at their nodes.
-struct OwnElements {
-  PartialMesh part;
-  std::vector<char> isShared;  ///< [part.nodes] other ranks have elements there, too
-  std::vector<char> isUsed;    ///< [nodes of this rank's range] some rank has elements there
-  EvenRanges nodes, elements;  ///< of the whole mesh, over the ranks
+/// \brief Which of the elements of all ranks are this one's.
+struct ElementRange {
+  EvenRanges elements;
   int rank = 0;
 
   std::int64_t firstElement() const { return elements.begin(rank); }
+  std::size_t numElements() const { return std::size_t(elements.count(rank)); }
+};
+
+/// \brief The elements of this rank's range, and who else has elements at their nodes.
+struct OwnElements : ElementRange {
+  PartialMesh part;
+  std::vector<char> isShared;  ///< [part.nodes] other ranks have elements there, too
+  std::vector<char> isUsed;    ///< [nodes of this rank's range] some rank has elements there
+  EvenRanges nodes;            ///< of the whole mesh, over the ranks
 };
 
 /// \brief Fetches what the elements of a share lack of their nodes.  Collective.

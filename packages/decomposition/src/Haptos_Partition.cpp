@@ -74,11 +74,11 @@ std::vector<int> blocksOfPieces(const Components& pieces, const std::vector<int>
 }
 
 // Blocks are connected: what a cut left behind goes to the neighbour.
-Portions cutLargePieces(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
-                        const std::vector<int>& blocks) {
+Portions cutLargePieces(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
+                        const Components& pieces, const std::vector<int>& blocks) {
   Portions portions;
   auto& ofElement = portions.cuts.ofElement;
-  cutIntoBlocks(comm, elementCentroids(own.part.mesh), pieces.ofElement, blocks, ofElement);
+  cutIntoBlocks(comm, centroids, pieces.ofElement, blocks, ofElement);
   portions.pieceOf = mendParts(comm, own, graph, pieces, ofElement).firstPiece;
   std::vector<Index> mine(portions.pieceOf.size(), 0);
   for (int portion : ofElement) ++mine[std::size_t(portion)];
@@ -87,10 +87,8 @@ Portions cutLargePieces(const Communicator& comm, const OwnElements& own, const 
 }
 
 // Parts are shared out to the pieces first, and to the blocks of a large piece then: what METIS cuts at once has a fixed number.
-Portions portionsOf(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
-                    const PartitionOptions& options) {
-  const int automatic = std::max(pieces.count(), int(std::lround(idealCount(comm, own.part.mesh))));
-  const int total = options.subdomains == 0 ? automatic : options.subdomains;
+Portions portionsOf(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
+                    const Components& pieces, int total, const PartitionOptions& options) {
   checkCount(own.elements.size, pieces.count(), total);
   const auto parts = sharePartsOut(pieces.sizes, total);
   const auto blocks = blocksOfPieces(pieces, parts, options);
@@ -101,7 +99,7 @@ Portions portionsOf(const Communicator& comm, const OwnElements& own, const Dual
     std::iota(portions.pieceOf.begin(), portions.pieceOf.end(), 0);
     return portions;
   }
-  portions = cutLargePieces(comm, own, graph, pieces, blocks);
+  portions = cutLargePieces(comm, own, graph, centroids, pieces, blocks);
   portions.cuts.seed = options.seed;
   for (std::size_t first = 0, last = 0; first < portions.pieceOf.size(); first = last) {
     const int piece = portions.pieceOf[first];
@@ -111,24 +109,6 @@ Portions portionsOf(const Communicator& comm, const OwnElements& own, const Dual
     portions.cuts.parts.insert(portions.cuts.parts.end(), shared.begin(), shared.end());
   }
   return portions;
-}
-
-// Subdomains are numbered portion after portion: every portion knows its first number without asking.
-Partition metisPartition(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
-                         const PartitionOptions& options) {
-  const Portions portions = portionsOf(comm, own, graph, pieces, options);
-  Partition result;
-  auto cut = cutOnRanks(comm, own, graph, portions.cuts, result.elementsCut);
-  std::vector<int> first;
-  for (std::size_t p = 0; p < portions.pieceOf.size(); ++p) {
-    first.push_back(result.count);
-    result.count += portions.cuts.parts[p];
-    result.pieceOfSubdomain.resize(std::size_t(result.count), portions.pieceOf[p]);
-  }
-  result.ofElement = std::move(cut.part);
-  for (std::size_t e = 0; e < result.ofElement.size(); ++e) result.ofElement[e] += first[std::size_t(portions.cuts.ofElement[e])];
-  result.mended = cut.mended;
-  return result;
 }
 
 Partition asItComes(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
@@ -145,10 +125,30 @@ Partition asItComes(const Communicator& comm, const OwnElements& own, const Dual
 
 }  // namespace
 
+// Subdomains are numbered portion after portion: every portion knows its first number without asking.
+Partition partitionGraph(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
+                         const Components& pieces, int total, const PartitionOptions& options) {
+  const Portions portions = portionsOf(comm, own, graph, centroids, pieces, total, options);
+  Partition result;
+  auto cut = cutOnRanks(comm, own, graph, centroids, portions.cuts, result.elementsCut);
+  std::vector<int> first;
+  for (std::size_t p = 0; p < portions.pieceOf.size(); ++p) {
+    first.push_back(result.count);
+    result.count += portions.cuts.parts[p];
+    result.pieceOfSubdomain.resize(std::size_t(result.count), portions.pieceOf[p]);
+  }
+  result.ofElement = std::move(cut.part);
+  for (std::size_t e = 0; e < result.ofElement.size(); ++e) result.ofElement[e] += first[std::size_t(portions.cuts.ofElement[e])];
+  result.mended = cut.mended;
+  return result;
+}
+
 Partition partitionMesh(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
                         const PartitionOptions& options) {
-  Partition result = options.method == PartitionMethod::Metis ? metisPartition(comm, own, graph, bodies.pieces, options)
-                                                              : asItComes(comm, own, graph, bodies.pieces, options);
+  const int wanted = options.subdomains > 0 ? options.subdomains : std::max(bodies.pieces.count(), int(std::lround(idealCount(comm, own.part.mesh))));
+  Partition result = options.method == PartitionMethod::Metis
+                         ? partitionGraph(comm, own, graph, elementCentroids(own.part.mesh), bodies.pieces, wanted, options)
+                         : asItComes(comm, own, graph, bodies.pieces, options);
   for (int piece : result.pieceOfSubdomain) result.bodyOfSubdomain.push_back(bodies.ofPiece[std::size_t(piece)]);
   return result;
 }

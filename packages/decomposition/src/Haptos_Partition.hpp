@@ -6,6 +6,7 @@
 #include "Haptos_Bodies.hpp"
 #include "Haptos_DualGraph.hpp"
 #include "Haptos_Options.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 
@@ -35,6 +36,14 @@ struct Partition {
 /// \throws InputError on all ranks if more subdomains are asked for than there are elements, or fewer than needed.
 Partition partitionMesh(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
                         const PartitionOptions& options);
+
+/// \brief The same by METIS of elements that need be no mesh: `total` subdomains, shared out to the pieces.  Collective.
+///
+/// \param graph, centroids of this rank's elements; `bodyOfSubdomain` stays empty
+/// \throws InputError on all ranks as above
+Partition partitionGraph(const Communicator& comm, const ElementRange& own, const DualGraph& graph,
+                         const Coordinates& centroids, const Components& pieces, int total,
+                         const PartitionOptions& options);
 
 /// \brief Deals subdomains to ranks in contiguous groups of about equal weight.
 /// \param weights [count], work of a subdomain

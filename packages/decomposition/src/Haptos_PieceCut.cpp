@@ -131,14 +131,13 @@ struct SentRows {
 };
 
 // Rows of a piece go to one rank; pieces of a single part stay where they are.
-SentRows rowsByRank(const OwnElements& own, const DualGraph& graph, const std::vector<int>& pieceOf, const std::vector<int>& rankOf,
-                    int ranks) {
-  const auto centroids = elementCentroids(own.part.mesh);
-  SentRows rows(ranks);
+SentRows rowsByRank(const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
+                    const std::vector<int>& pieceOf, const std::vector<int>& rankOf) {
+  SentRows rows(own.elements.ranks);
   for (std::size_t e = 0; e < pieceOf.size(); ++e) {
     if (rankOf[pieceOf[e]] < 0) continue;
     const auto r = std::size_t(rankOf[pieceOf[e]]), begin = std::size_t(graph.offsets[e]), end = std::size_t(graph.offsets[e + 1]);
-    rows.elements[r].push_back({own.part.elements[e], centroids[e], pieceOf[e], int(end - begin)});
+    rows.elements[r].push_back({own.firstElement() + Index(e), centroids[e], pieceOf[e], int(end - begin)});
     rows.neighbours[r].insert(rows.neighbours[r].end(), &graph.neighbours[begin], &graph.neighbours[begin] + (end - begin));
     rows.couplings[r].insert(rows.couplings[r].end(), &graph.couplings[begin], &graph.couplings[begin] + (end - begin));
   }
@@ -210,11 +209,11 @@ PartsOfPiece cutPiece(const PieceToCut& piece) {
   return result;
 }
 
-PartsOfPiece cutOnRanks(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const PiecesToCut& pieces,
-                        std::int64_t& elementsCut) {
+PartsOfPiece cutOnRanks(const Communicator& comm, const ElementRange& own, const DualGraph& graph,
+                        const Coordinates& centroids, const PiecesToCut& pieces, std::int64_t& elementsCut) {
   const auto rankOf = shareOut(pieces, comm.getSize());
   std::vector<std::vector<SentElement>> received;
-  auto gathered = gatherPieces(comm, rowsByRank(own, graph, pieces.ofElement, rankOf, comm.getSize()), pieces, received);
+  auto gathered = gatherPieces(comm, rowsByRank(own, graph, centroids, pieces.ofElement, rankOf), pieces, received);
   std::map<int, std::vector<int>> partsOf;
   int mended = 0;
   runOnAllRanks(comm, [&] {

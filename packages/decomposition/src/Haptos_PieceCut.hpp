@@ -6,6 +6,7 @@
 
 #include "Haptos_Communication.hpp"
 #include "Haptos_DualGraph.hpp"
+#include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 
@@ -36,10 +37,11 @@ struct PiecesToCut {
 /// \brief `cutPiece` of every piece, each on one rank, the largest first, to the rank with least to do.  Collective.
 ///
 /// A rank holds the pieces that it cuts, element by element with their neighbours, and its own range.
+/// \param centroids [this rank's elements]
 /// \param elementsCut grows by the elements that this rank cut
 /// \return of this rank's elements; the fragments mended on all ranks
 /// \throws CollectiveError on all ranks if one of them fails.
-PartsOfPiece cutOnRanks(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const PiecesToCut& pieces,
-                        std::int64_t& elementsCut);
+PartsOfPiece cutOnRanks(const Communicator& comm, const ElementRange& own, const DualGraph& graph,
+                        const Coordinates& centroids, const PiecesToCut& pieces, std::int64_t& elementsCut);
 
 }  // namespace Haptos

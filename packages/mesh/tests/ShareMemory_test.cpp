@@ -1,13 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // No rank holds an array of the whole mesh, and what a rank touches falls with the number of ranks: by counting what
 // operator new is asked for, on two and on four ranks.
-#include <Teuchos_CommHelpers.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
-#include <cstdlib>
-#include <functional>
-#include <new>
 
+#include "AskedMemory.hpp"
 #include "FileSetTools.hpp"
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_ExodusReader.hpp"
@@ -17,60 +14,12 @@
 
 namespace {
 
-std::size_t largest = 0, total = 0;
-
-void* countedNew(std::size_t size) {
-  largest = std::max(largest, size);
-  total += size;
-  if (void* p = std::malloc(size)) return p;
-  throw std::bad_alloc();
-}
-
-}  // namespace
-
-void* operator new(std::size_t size) { return countedNew(size); }
-void* operator new[](std::size_t size) { return countedNew(size); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-
-namespace {
-
 using namespace Haptos;
 using namespace HaptosTest;
 
 constexpr TwoBeamsSpec spec{2, 12};  // 55296 elements, 61250 nodes
 
 double elementsOfMesh() { return 4.0 * 24 * 24 * 24; }
-
-/// [bytes], the most of any rank.
-struct Asked {
-  double largest, total;
-};
-
-Asked count(const Communicator& comm, const std::function<void()>& work) {
-  comm.barrier();
-  largest = total = 0;
-  work();
-  const double mine[2] = {double(largest), double(total)};
-  double most[2];
-  Teuchos::reduceAll(comm, Teuchos::REDUCE_MAX, 2, mine, most);
-  return {most[0], most[1]};
-}
-
-/// `work` on the first two ranks and on all four.
-std::array<Asked, 2> onTwoAndFour(const std::function<void(const RCP<const Communicator>&)>& work) {
-  const auto half = world().split(world().getRank() < 2 ? 0 : -1, world().getRank());
-  std::array<Asked, 2> asked{};
-  if (world().getRank() < 2) asked[0] = count(*half, [&] { work(half); });
-  const RCP<const Communicator> all = Teuchos::DefaultComm<int>::getComm();
-  asked[1] = count(*all, [&] { work(all); });
-  double two[2] = {asked[0].largest, asked[0].total};
-  Teuchos::broadcast(world(), 0, 2, two);
-  asked[0] = {two[0], two[1]};
-  return asked;
-}
 
 /// Arrays of `bytesPerElement`: connectivity, or elements as they are sent.
 void requireShares(const std::array<Asked, 2>& asked, double bytesPerElement, Teuchos::FancyOStream& out, bool& success) {

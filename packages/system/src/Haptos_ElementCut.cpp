@@ -8,105 +8,127 @@
 
 #include "Haptos_Components.hpp"
 #include "Haptos_Error.hpp"
-#include "Haptos_PieceCut.hpp"
+#include "Haptos_Partition.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
-#include "Haptos_SubdomainOrder.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
 namespace {
 
+using Index = std::int64_t;
+
 // An element where it was brought.
 struct Place {
   int body, rank, position;
-  std::vector<std::int64_t> nodes;
+  std::vector<Index> nodes;
   std::array<double, 3> centroid;
 
   auto parts() { return std::tie(body, rank, position, nodes, centroid); }
+  // An order that does not depend on who brought them.
+  bool operator<(const Place& other) const { return std::tie(body, nodes) < std::tie(other.body, other.nodes); }
 };
 
-// What rank 0 tells a rank: subdomain of each of its elements; body and rank of every subdomain.
-struct Cut {
-  std::vector<int> subdomainOf, bodyOf, rankOf;
-
-  auto parts() { return std::tie(subdomainOf, bodyOf, rankOf); }
-};
-
-// On rank 0, in an order that does not depend on who brought them.
-std::vector<Place> gatherPlaces(const Communicator& comm, const std::vector<ElementMatrix>& elements) {
-  std::vector<Place> mine;
+std::vector<Place> placesOf(const std::vector<ElementMatrix>& elements, int rank) {
+  std::vector<Place> places;
   for (const auto& element : elements) {
-    mine.push_back({element.body, comm.getRank(), int(mine.size()), element.nodes, {0, 0, 0}});
+    places.push_back({element.body, rank, int(places.size()), element.nodes, {0, 0, 0}});
     for (const auto& x : element.places)
-      mine.back().centroid = Vec3::add(mine.back().centroid, Vec3::scale(1.0 / double(element.places.size()), x));
+      places.back().centroid = Vec3::add(places.back().centroid, Vec3::scale(1.0 / double(element.places.size()), x));
   }
-  auto places = gatheredOnRoot(comm, mine);
-  std::sort(places.begin(), places.end(), [](const Place& a, const Place& b) { return std::tie(a.body, a.nodes) < std::tie(b.body, b.nodes); });
   return places;
 }
 
-// Elements [first, last) that share a side.
-DualGraph connect(const std::vector<Place>& places, std::size_t first, std::size_t last) {
-  std::map<std::int64_t, std::vector<int>> elementsAt;
-  for (std::size_t i = first; i < last; ++i)
-    for (auto node : places[i].nodes) elementsAt[node].push_back(int(i - first));
+// Sorted over the ranks, in even ranges.  A sample of every rank tells where to cut the order into about equal parts.
+std::vector<Place> sortedInRanges(const Communicator& comm, std::vector<Place> mine, ElementRange& range) {
+  const auto ranks = std::size_t(comm.getSize());
+  std::sort(mine.begin(), mine.end());
+  std::vector<Place> samples, cuts;
+  for (std::size_t r = 0; r < ranks && !mine.empty(); ++r) samples.push_back(mine[r * mine.size() / ranks]);
+  samples = gatheredOnAll(comm, samples);
+  std::sort(samples.begin(), samples.end());
+  for (std::size_t r = 1; r < ranks; ++r) cuts.push_back(samples[r * samples.size() / ranks]);
+  mine = sendItems(comm, mine, [&](const Place& place) { return int(std::upper_bound(cuts.begin(), cuts.end(), place) - cuts.begin()); });
+  std::stable_sort(mine.begin(), mine.end());
+  const Index count = Index(mine.size()), first = sumOfLower(comm, count);
+  range = {{sumOfAll(comm, count), comm.getSize()}, comm.getRank()};
+  return sendItems(comm, mine, [&](const Place& place) { return range.elements.owner(first + (&place - mine.data())); });
+}
+
+// An element at one of its nodes.
+struct AtNode {
+  Index node;
+  int body, nodes;  // of the element
+  Index element;
+
+  bool operator<(const AtNode& other) const { return std::tie(node, body, element) < std::tie(other.node, other.body, other.element); }
+};
+
+// Two elements with a node in common; one for each such node.
+struct Meeting {
+  Index element, other;
+  int fewest;  // nodes of the smaller one
+
+  bool operator<(const Meeting& b) const { return std::tie(element, other) < std::tie(b.element, b.other); }
+};
+
+// Whatever the ids are, every rank gets its share.
+int rankOfNode(Index node, int ranks) {
+  constexpr std::uint64_t kGolden = 0x9E3779B97F4A7C15u;  // 2^64 / golden ratio: multiples of it are spread evenly
+  return int((std::uint64_t(node) * kGolden >> 32) % std::uint64_t(ranks));
+}
+
+// Elements meet at their nodes, body by body; each is told whom it has met.
+std::vector<Meeting> meetings(const Communicator& comm, const ElementRange& range, const std::vector<Place>& places) {
+  std::vector<AtNode> visits;
+  for (std::size_t e = 0; e < places.size(); ++e)
+    for (Index node : places[e].nodes) visits.push_back({node, places[e].body, int(places[e].nodes.size()), range.firstElement() + Index(e)});
+  visits = sendItems(comm, visits, [&](const AtNode& visit) { return rankOfNode(visit.node, comm.getSize()); });
+  std::sort(visits.begin(), visits.end());
+  std::vector<Meeting> met;
+  for (auto first = visits.begin(), last = first; first != visits.end(); first = last) {
+    last = std::find_if(first, visits.end(), [&](const AtNode& v) { return v.node != first->node || v.body != first->body; });
+    for (auto a = first; a != last; ++a)
+      for (auto b = first; b != last; ++b)
+        if (a->element != b->element) met.push_back({a->element, b->element, std::min(a->nodes, b->nodes)});
+  }
+  met = sendItems(comm, met, [&](const Meeting& m) { return range.elements.owner(m.element); });
+  std::sort(met.begin(), met.end());
+  return met;
+}
+
+// Elements that share a side: three nodes, or all but one of the smaller one's.
+DualGraph connect(const ElementRange& range, const std::vector<Meeting>& met) {
   DualGraph graph;
   graph.offsets.push_back(0);
-  std::map<int, std::size_t> shared;
-  for (std::size_t i = first; i < last; ++i) {
-    shared.clear();
-    for (auto node : places[i].nodes)
-      for (int other : elementsAt[node]) ++shared[other];
-    for (const auto& [other, count] : shared) {
-      const std::size_t fewest = std::min(places[i].nodes.size(), places[first + std::size_t(other)].nodes.size());
-      if (other != int(i - first) && count >= std::min<std::size_t>(3, fewest - 1)) graph.neighbours.push_back(other);
+  auto first = met.begin();
+  for (Index e = range.firstElement(); e < range.elements.begin(range.rank + 1); ++e) {
+    for (auto last = first; first != met.end() && first->element == e; first = last) {
+      last = std::find_if(first, met.end(), [&](const Meeting& m) { return m.element != e || m.other != first->other; });
+      if (last - first >= std::min(3, first->fewest - 1)) graph.neighbours.push_back(first->other);
     }
-    graph.offsets.push_back(std::int64_t(graph.neighbours.size()));
+    graph.offsets.push_back(Index(graph.neighbours.size()));
   }
   graph.couplings.assign(graph.neighbours.size(), 1.0);
   return graph;
 }
 
-// As many as were asked for, or parts of about 200 elements and at least one a rank.
-double partsWanted(const DecompositionOptions& options, std::size_t elements, int ranks) {
-  constexpr double kElements = 200;
-  return options.subdomains > 0 ? options.subdomains : std::max(double(ranks), double(elements) / kElements);
+// [pieces], the same on all ranks: from who has the first element.
+std::vector<int> bodiesOf(const Communicator& comm, const ElementRange& range, const Components& pieces, const std::vector<Place>& places) {
+  std::vector<int> bodies(pieces.first.size(), 0);
+  for (std::size_t p = 0; p < bodies.size(); ++p)
+    if (const Index e = pieces.first[p] - range.firstElement(); e >= 0 && e < Index(places.size())) bodies[p] = places[std::size_t(e)].body;
+  bodies = sumOfAll(comm, bodies);
+  for (std::size_t p = 1; p < bodies.size(); ++p)
+    if (bodies[p] == bodies[p - 1])
+      throw InputError("Body " + std::to_string(bodies[p]) + " is in pieces that share no side of an element; give every piece a body of its own.");
+  return bodies;
 }
 
-// [ranks] body by body, each in parts in proportion to its elements.
-std::vector<Cut> cutPlaces(const std::vector<Place>& places, const DecompositionOptions& options, int ranks) {
-  std::vector<std::vector<int>> subdomainOf(static_cast<std::size_t>(ranks));
-  const double share = partsWanted(options, places.size(), ranks) / double(places.size());
-  std::vector<double> work;
-  std::vector<int> bodyOf;
-  for (std::size_t first = 0, last = 0; first < places.size(); first = last) {
-    PieceToCut piece;
-    for (; last < places.size() && places[last].body == places[first].body; ++last) piece.centroids.push_back(places[last].centroid);
-    piece.graph = connect(places, first, last);
-    int pieces = 0;
-    connectedComponents(piece.graph, {}, pieces);
-    if (pieces > 1)
-      throw InputError("Body " + std::to_string(places[first].body) +
-                       " is in pieces that share no side of an element; give every piece a body of its own.");
-    piece.parts = std::clamp(int(std::lround(share * double(last - first))), 1, int(last - first));
-    piece.seed = options.seed;
-    const auto part = cutPiece(piece).part;
-    const int before = int(work.size());
-    work.resize(work.size() + std::size_t(piece.parts), 0.0);
-    bodyOf.resize(work.size(), places[first].body);
-    for (std::size_t i = first; i < last; ++i) {
-      const int subdomain = before + part[i - first];
-      work[std::size_t(subdomain)] += 1;
-      auto& list = subdomainOf[std::size_t(places[i].rank)];
-      list.resize(std::max(list.size(), std::size_t(places[i].position) + 1));
-      list[std::size_t(places[i].position)] = subdomain;
-    }
-  }
-  const auto rankOf = dealToRanks(work, ranks);
-  std::vector<Cut> cuts;
-  for (auto& list : subdomainOf) cuts.push_back({std::move(list), bodyOf, rankOf});
-  return cuts;
-}
+// The subdomain of an element, on its way to who brought it.
+struct Told {
+  int rank, position, subdomain;
+};
 
 struct SentElement {
   int subdomain;
@@ -115,14 +137,37 @@ struct SentElement {
   auto parts() { return std::tie(subdomain, element); }
 };
 
+struct Cut {
+  std::vector<int> subdomainOf;     // [elements of this rank]
+  std::vector<int> bodyOf, rankOf;  // [subdomains]
+};
+
+Cut cutPlaces(const Communicator& comm, const std::vector<ElementMatrix>& elements, const PartitionOptions& options) {
+  constexpr double kElements = 200;  // of a subdomain, where no number is asked for
+  ElementRange range;
+  const auto places = sortedInRanges(comm, placesOf(elements, comm.getRank()), range);
+  const auto graph = connect(range, meetings(comm, range, places));
+  const auto pieces = connectedComponents(comm, range, graph, {});
+  const auto bodies = bodiesOf(comm, range, pieces, places);
+  const int wanted = options.subdomains > 0 ? options.subdomains : std::max(pieces.count(), int(std::lround(double(range.elements.size) / kElements)));
+  Coordinates centroids;
+  for (const Place& place : places) centroids.push_back(place.centroid);
+  const auto partition = partitionGraph(comm, range, graph, centroids, pieces, wanted, options);
+  std::vector<double> work(std::size_t(partition.count), 0.0);
+  for (int subdomain : partition.ofElement) work[std::size_t(subdomain)] += 1;
+  Cut cut{std::vector<int>(elements.size()), {}, dealToRanks(sumOfAll(comm, work), comm.getSize())};
+  for (int piece : partition.pieceOfSubdomain) cut.bodyOf.push_back(bodies[std::size_t(piece)]);
+  std::vector<Told> told;
+  for (std::size_t e = 0; e < places.size(); ++e) told.push_back({places[e].rank, places[e].position, partition.ofElement[e]});
+  for (const Told& one : sendItems(comm, told, [](const Told& t) { return t.rank; })) cut.subdomainOf[std::size_t(one.position)] = one.subdomain;
+  return cut;
+}
+
 }  // namespace
 
 // The cut is made from node ids and places only: matrices go straight from who brought them to who needs them.
-std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const DecompositionOptions& options) {
-  const auto places = gatherPlaces(comm, elements);
-  std::vector<Cut> cuts;
-  runOnRoot(comm, [&] { cuts = cutPlaces(places, options, comm.getSize()); });
-  const Cut cut = scattered(comm, cuts);
+std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const PartitionOptions& options) {
+  const Cut cut = cutPlaces(comm, elements, options);
   std::vector<SentElement> sent;
   for (std::size_t i = 0; i < elements.size(); ++i) sent.push_back({cut.subdomainOf[i], elements[i]});
   std::map<int, ElementPart> parts;  // of this rank, by number

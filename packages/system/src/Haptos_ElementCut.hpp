@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "Haptos_Communication.hpp"
-#include "Haptos_Options.hpp"
+#include "Haptos_Partition.hpp"
 
 namespace Haptos {
 
@@ -28,9 +28,10 @@ struct ElementPart {
 
 /// \brief Cuts elements of all ranks into subdomains and sends these to ranks, in the order of their numbers; by METIS, body by body.
 ///
-/// Elements are neighbours where they share three nodes (or all but one of the smaller one's, if it has less).  The graph is cut
-/// on rank 0; the cut does not depend on who brought which element if their nodes tell them apart.  Collective.
-/// \throws InputError if a body is in pieces that share no side
-std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const DecompositionOptions& options);
+/// Elements are neighbours where they share three nodes (or all but one of the smaller one's, if it has less).  No rank learns of
+/// more than its share of them but where METIS cuts a piece as a whole (`PartitionOptions`).  The cut depends neither on the number of
+/// ranks nor on who brought which element, if their nodes tell them apart.  Collective.
+/// \throws InputError on all ranks if a body is in pieces that share no side, or by `partitionGraph`
+std::vector<ElementPart> cutElements(const Communicator& comm, const std::vector<ElementMatrix>& elements, const PartitionOptions& options);
 
 }  // namespace Haptos
