@@ -70,10 +70,25 @@ class PivotedCholesky {
   std::vector<int> pivots_;  // [rank] rows of A
 };
 
+/// \brief LU with partial pivoting, or Cholesky's factor of a symmetric matrix, of which the lower triangle is read.
+class DenseFactor {
+ public:
+  enum class Kind { Lu, Cholesky };
+  DenseFactor() = default;  ///< of no rows
+  DenseFactor(Eigen::MatrixXd A, Kind kind);
+  /// \brief A^-1 B; NaN where A is singular, or not positive definite.
+  Eigen::MatrixXd solve(Eigen::MatrixXd B) const;
+
+ private:
+  Kind kind_ = Kind::Lu;
+  Eigen::MatrixXd factor_;
+  std::vector<int> pivots_;
+  bool isRegular_ = true;
+};
+
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);  ///< A symmetric
 /// \brief By partial pivoting; NaN where A is singular.
 Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B);
-Eigen::MatrixXd solveByCholesky(Eigen::MatrixXd A, Eigen::MatrixXd B);  ///< NaN where A is not positive definite
 
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off

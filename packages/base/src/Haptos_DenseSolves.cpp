@@ -46,22 +46,24 @@ Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
 Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b) { return A.ldlt().solve(b); }
 
 // LAPACK's, which runs at the speed of the machine's BLAS: Eigen's took four times as long from 300 rows on.
-Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B) {
-  const int n = int(B.rows());
-  std::vector<int> pivots(std::size_t(n) + 1);
+DenseFactor::DenseFactor(Eigen::MatrixXd A, Kind kind) : kind_(kind), factor_(std::move(A)), pivots_(std::size_t(factor_.rows()) + 1) {
+  const int n = int(factor_.rows()), rows = std::max(1, n);
   int info = 0;
-  Teuchos::LAPACK<int, double>().GESV(n, int(B.cols()), A.data(), std::max(1, n), pivots.data(), B.data(), std::max(1, n), &info);
-  if (info > 0) B.setConstant(std::numeric_limits<double>::quiet_NaN());
+  if (kind_ == Kind::Cholesky) Teuchos::LAPACK<int, double>().POTRF('L', n, factor_.data(), rows, &info);
+  else Teuchos::LAPACK<int, double>().GETRF(n, n, factor_.data(), rows, pivots_.data(), &info);
+  isRegular_ = info == 0;
+}
+
+Eigen::MatrixXd DenseFactor::solve(Eigen::MatrixXd B) const {
+  const int n = int(factor_.rows()), rows = std::max(1, n), columns = int(B.cols());
+  int info = 0;
+  if (!isRegular_) B.setConstant(std::numeric_limits<double>::quiet_NaN());
+  else if (kind_ == Kind::Cholesky) Teuchos::LAPACK<int, double>().POTRS('L', n, columns, factor_.data(), rows, B.data(), rows, &info);
+  else Teuchos::LAPACK<int, double>().GETRS('N', n, columns, factor_.data(), rows, pivots_.data(), B.data(), rows, &info);
   return B;
 }
 
-Eigen::MatrixXd solveByCholesky(Eigen::MatrixXd A, Eigen::MatrixXd B) {
-  const int n = int(B.rows());
-  int info = 0;
-  Teuchos::LAPACK<int, double>().POSV('L', n, int(B.cols()), A.data(), std::max(1, n), B.data(), std::max(1, n), &info);
-  if (info > 0) B.setConstant(std::numeric_limits<double>::quiet_NaN());
-  return B;
-}
+Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B) { return DenseFactor(std::move(A), DenseFactor::Kind::Lu).solve(std::move(B)); }
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {
   if (A.size() == 0) return Eigen::VectorXd::Zero(A.cols());  // the decomposition looks for a largest column

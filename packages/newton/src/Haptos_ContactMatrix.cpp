@@ -6,7 +6,6 @@
 #include <Tpetra_Operator.hpp>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DenseDecompositions.hpp"
@@ -122,8 +121,6 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
 
 // The kernel's images are B kernel; T makes them orthonormal.
 Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
-  std::optional<Eigen::VectorXd> direct;
-  if (dense_.size() > 0 && (direct = solveDirectly(A, B, b))) return *direct;
   const Blocks inverse = invertedBlocks(A, B, diagonal_);
   ContactEquations equations{
       [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
@@ -131,6 +128,11 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
   if (kernel_.cols() > 0) {
     const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
     equations.known = {kernel_ * T, images * T};
+  }
+  std::optional<Eigen::VectorXd> direct;
+  if (dense_.size() > 0) {
+    if (!(direct = solveByLast(equations, A, B, b))) direct = solveDirectly(A, B, b);
+    if (direct) return *direct;
   }
   const auto solution = equations.solveByGmres(vectors_, b);
   if (!mayStay(solution)) direct = solveDirectly(A, B, b);
@@ -178,148 +180,41 @@ Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
   return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
-namespace {
-
-using Rows = std::vector<Eigen::Index>;
-
-// (A_i, B_i, b_i) of all pairs, [3 pairs x 7]
-struct PairBlocks {
-  Eigen::MatrixXd values;
-  double A(Eigen::Index row, Eigen::Index k) const { return values(row, k); }
-  double B(Eigen::Index row, Eigen::Index k) const { return values(row, 3 + k); }
-  double b(Eigen::Index row) const { return values(row, 6); }
-
-  // A row without A whose B is its diagonal says d = b / B by itself: normal components of closed pairs, and all of those that stick.
-  bool isSolved(Eigen::Index row) const {
-    for (Eigen::Index k = 0; k < 3; ++k)
-      if (A(row, k) != 0 || (B(row, k) != 0) != (k == row % 3)) return false;
-    return true;
-  }
-};
-
-// The rows that are left to be solved for; d gets the others, which are 0 where M has nothing: pinned, or not there.
-Rows unsolvedRows(const PairBlocks& pairs, const Eigen::MatrixXd& M, Eigen::VectorXd& d) {
-  Rows rest;
-  for (Eigen::Index row = 0; row < d.size(); ++row) {
-    if (!(M(row, row) > 0)) continue;
-    if (pairs.isSolved(row)) d[row] = pairs.b(row) / pairs.B(row, row % 3);
-    else rest.push_back(row);
-  }
-  return rest;
+// [all contact values x 6] row by row A_i and B_i, the same on every rank
+Eigen::MatrixXd ContactMatrix::blocksOfAll(const Blocks& A, const Blocks& B) const {
+  Eigen::MatrixXd mine(3 * Eigen::Index(A.size()), 6);
+  for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i];
+  return onAllRanks(mine);
 }
-
-// (A M + B)(rest, rest)
-Eigen::MatrixXd blockOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const Rows& rest) {
-  const Eigen::Index n = Eigen::Index(rest.size());
-  Eigen::MatrixXd block(n, n);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const Eigen::Index column = rest[std::size_t(j)];
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const Eigen::Index row = rest[std::size_t(i)], at = row - row % 3;
-      block(i, j) = pairs.A(row, 0) * M(at, column) + pairs.A(row, 1) * M(at + 1, column) + pairs.A(row, 2) * M(at + 2, column);
-      if (column - column % 3 == at) block(i, j) += pairs.B(row, column % 3);
-    }
-  }
-  return block;
-}
-
-// (b - (A M + B) d)(rest)
-Eigen::VectorXd restOf(const PairBlocks& pairs, const Eigen::MatrixXd& M, const Rows& rest, const Eigen::VectorXd& d) {
-  const Eigen::VectorXd Md = M * d;
-  Eigen::VectorXd b(Eigen::Index(rest.size()));
-  for (Eigen::Index i = 0; i < b.size(); ++i) {
-    const Eigen::Index row = rest[std::size_t(i)], at = row - row % 3;
-    b[i] = pairs.b(row);
-    for (Eigen::Index k = 0; k < 3; ++k) b[i] -= pairs.A(row, k) * Md[at + k] + pairs.B(row, k) * d[at + k];
-  }
-  return b;
-}
-
-// (A X)(rest) and (B X)(rest) of values X on the rest
-Eigen::MatrixXd timesBlocks(const PairBlocks& pairs, const Rows& rest, const Eigen::MatrixXd& X,
-                            double (PairBlocks::*block)(Eigen::Index, Eigen::Index) const) {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(pairs.values.rows(), X.cols()), Y(X.rows(), X.cols());
-  for (std::size_t i = 0; i < rest.size(); ++i) all.row(rest[i]) = X.row(Eigen::Index(i));
-  for (std::size_t i = 0; i < rest.size(); ++i) {
-    const Eigen::Index row = rest[i], at = row - row % 3;
-    Y.row(Eigen::Index(i)).setZero();
-    for (Eigen::Index k = 0; k < 3; ++k) Y.row(Eigen::Index(i)) += (pairs.*block)(row, k) * all.row(at + k);
-  }
-  return Y;
-}
-
-// Motions of the kernel N that leave the other rows alone, on the rest: M(rest, rest) does not feel them.
-Eigen::MatrixXd kernelOn(const Rows& rest, const Eigen::MatrixXd& N) {
-  constexpr double kStays = 1e-10;  // of a motion of length 1
-  if (N.cols() == 0 || rest.empty()) return Eigen::MatrixXd(Eigen::Index(rest.size()), 0);
-  Eigen::MatrixXd others = N, inside(Eigen::Index(rest.size()), N.cols());
-  for (std::size_t i = 0; i < rest.size(); ++i) inside.row(Eigen::Index(i)) = N.row(rest[i]), others.row(rest[i]).setZero();
-  const RightSvd svd(others);  // not by a Gram matrix, whose round-off is 1e-8 of a motion
-  Eigen::Index k = 0;
-  while (k < N.cols() && svd.values[N.cols() - 1 - k] <= kStays) ++k;
-  return inside * svd.V.rightCols(k);
-}
-
-// Combinations of motions that B resists, by its images of them; others (a coefficient 0) stay where they are.
-Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
-  constexpr double kNothing = 1e-13;
-  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
-  const RightSvd svd(images);
-  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
-}
-
-}  // namespace
-
-// The rest of (A M + B) d = b, G = A (M + sigma N N^T) + B being regular where only B resists the kernel N:
-//
-//   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b   for those N that B resists,
-//
-// whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.
-struct ContactMatrix::RestSystem {
-  Eigen::MatrixXd matrix, kernel, images;  // A M + B, N that B resists, B N
-  Eigen::VectorXd rhs;
-
-  Eigen::VectorXd regularSolution(const Eigen::MatrixXd& G, Shape shape) const {
-    Eigen::MatrixXd all(rhs.size(), 1 + kernel.cols());
-    all << rhs, images;
-    const Eigen::MatrixXd x = shape == Shape::Symmetric ? solveByCholesky(G, all) : solveByLu(G, all);
-    if (kernel.cols() == 0 || !x.allFinite()) return x.col(0);
-    const Eigen::MatrixXd H = kernel.transpose() * x.rightCols(kernel.cols());
-    const Eigen::VectorXd scale = H.diagonal().cwiseAbs().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
-    const Eigen::MatrixXd scaled = scale.asDiagonal() * H * scale.asDiagonal();
-    const Eigen::VectorXd a = solveLeastSquares(scaled, scale.asDiagonal() * (kernel.transpose() * x.col(0)));
-    return x.col(0) + (kernel - x.rightCols(kernel.cols())) * scale.cwiseProduct(a);
-  }
-
-  // Cholesky's method and LU are good for all but singular matrices.
-  bool isSolvedBy(const Eigen::VectorXd& x) const {
-    constexpr double kUseless = 1e-6;  // residual of a solution that is none
-    if (!x.allFinite()) return false;
-    const Eigen::VectorXd a = kernel.transpose() * x;
-    return (matrix * (x - kernel * a) + images * a - rhs).norm() <= kUseless * rhs.norm();
-  }
-};
 
 // The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no
 // solution but what a Krylov method comes to, or that of least norm where there is none.
 std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape) const {
-  Eigen::MatrixXd mine(b.size(), 7);
-  for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i], b.segment<3>(3 * Eigen::Index(i));
-  const PairBlocks pairs{onAllRanks(mine)};
-  Eigen::VectorXd d = Eigen::VectorXd::Zero(size_);
-  const Rows rest = unsolvedRows(pairs, dense_, d);
-  const Eigen::MatrixXd N = kernelOn(rest, wholeKernel_), held = N * heldBy(timesBlocks(pairs, rest, N, &PairBlocks::B));
-  const RestSystem system{blockOf(pairs, dense_, rest), held, timesBlocks(pairs, rest, held, &PairBlocks::B), restOf(pairs, dense_, rest, d)};
-  Eigen::MatrixXd G = system.matrix;
-  if (N.cols() > 0) G += dense_.diagonal().mean() * timesBlocks(pairs, rest, N, &PairBlocks::A) * N.transpose();
-  Eigen::VectorXd x = system.regularSolution(G, shape);
-  if (shape == Shape::Symmetric && !system.isSolvedBy(x)) x = system.regularSolution(G, Shape::General);
-  if (!system.isSolvedBy(x)) {
-    if (kind_ == Kind::Products) return {};
-    x = solveLeastSquares(system.matrix, system.rhs);
+  const Eigen::MatrixXd blocks = blocksOfAll(A, B);
+  const Eigen::VectorXd all = onAllRanks(b);
+  auto factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, shape);
+  Eigen::VectorXd x = factor->solve(all);
+  if (shape == Shape::Symmetric && !factor->isSolution(x, all)) {
+    factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, Shape::General);
+    x = factor->solve(all);
   }
-  for (std::size_t i = 0; i < rest.size(); ++i) d[rest[i]] = x[Eigen::Index(i)];
-  return d.segment(first_, b.size());
+  if (!factor->isSolution(x, all)) {
+    if (kind_ == Kind::Products) return {};
+    x = factor->solveLeastSquares(all);
+  } else if (shape == Shape::General) {
+    last_ = std::move(factor);
+  }
+  return x.segment(first_, b.size());
+}
+
+// Once the set of what slips has settled a factor serves many steps.  Collective.
+std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+  if (!last_ || last_->numChanged(blocksOfAll(A, B)) > options_.changedPairs) return {};
+  equations.preconditioner = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return last_->solve(onAllRanks(x)).segment(first_, x.size()); };
+  equations.steps = options_.stepsByLast;
+  const auto solution = equations.solveByGmres(vectors_, b);
+  if (!solution.isConverged) return {};
+  return solution.x;
 }
 
 // 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.

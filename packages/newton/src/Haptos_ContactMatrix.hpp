@@ -2,9 +2,11 @@
 #pragma once
 #include <Eigen/Core>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <vector>
 
+#include "Haptos_ContactFactor.hpp"
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DualVectors.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
@@ -53,8 +55,9 @@ class ContactMatrix {
   Eigen::MatrixXd byColumns() const;
   bool mayStay(const ContactEquations::Solution& solution) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
-  enum class Shape { General, Symmetric };
-  struct RestSystem;
+  using Shape = ContactFactor::Shape;
+  Eigen::MatrixXd blocksOfAll(const Blocks& A, const Blocks& B) const;
+  std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
   std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
 
   RCP<const Operator> M_;
@@ -67,6 +70,7 @@ class ContactMatrix {
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
   mutable Eigen::MatrixXd wholeKernel_;  // beside dense_: orthonormal, of all ranks
+  mutable std::unique_ptr<const ContactFactor> last_;  // of a general system
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };
 

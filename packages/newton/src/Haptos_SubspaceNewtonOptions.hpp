@@ -123,6 +123,8 @@ struct SubspaceNewtonOptions {
     /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
     /// much as n / 40 products of 2 n^2 at 1e9.
     int rowsOfStep = 40;  ///< decisions/040
+    /// A factor before serves where at most so many pairs changed by more than a tenth, by so many steps of GMRES.
+    int changedPairs = 10, stepsByLast = 8;
     /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.
     int pathSteps = 40;
     /// Of phi that Newton's method must leave for a path; `reductionSlender` where subdomains are slender.  An F leaves a tenth and more of the law: with

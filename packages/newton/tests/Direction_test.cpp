@@ -84,8 +84,8 @@ TEUCHOS_UNIT_TEST(CondensedContact, SolvesTheLawItself) {
 // After one step of Newton's a path is followed to the end if the step left more of the law than asked, and none if not.
 TEUCHOS_UNIT_TEST(CondensedContact, FollowsAPathOnlyWhereNewtonLeavesTooMuch) {
   const Scene t(false);
-  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense);
   const auto leftWith = [&](double pathFrom) {
+    const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense);  // a factor of before would change digits
     SubspaceNewtonOptions::Condensed options;
     options.reduction = 1e-8, options.newtonSteps = 1, options.pathFrom = pathFrom;
     return CondensedContact(t.dual.M, matrix, options).solveLaw(t.dual.pairs, t.r, t.myLambda, t.myS).left;

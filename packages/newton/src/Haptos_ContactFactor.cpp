@@ -1,0 +1,153 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactFactor.hpp"
+
+#include <limits>
+
+namespace Haptos {
+namespace {
+
+// Combinations of motions that B resists, by its images of them; others (a coefficient 0) stay where they are.
+Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
+  constexpr double kNothing = 1e-13;
+  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
+  const RightSvd svd(images);
+  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
+}
+
+}  // namespace
+
+// The rest of (A M + B) d = b, G = A (M + sigma N N^T) + B being regular where only B resists the kernel N:
+//
+//   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b   for those N that B resists,
+//
+// whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.
+ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& kernel, Eigen::MatrixXd blocks, Shape shape)
+    : M_(M), kernel_(kernel), blocks_(std::move(blocks)) {
+  findRest();
+  const Eigen::MatrixXd N = kernelOnRest();
+  Eigen::MatrixXd G = restMatrix();
+  if (N.cols() > 0) G += M_.diagonal().mean() * timesOnRest(&ContactFactor::A, N) * N.transpose();
+  factor_ = DenseFactor(std::move(G), shape == Shape::Symmetric ? DenseFactor::Kind::Cholesky : DenseFactor::Kind::Lu);
+  prepareKernel(N * heldBy(timesOnRest(&ContactFactor::B, N)));
+}
+
+// A row without A whose B is its diagonal says d = b / B by itself: normal components of closed pairs, and all of those that stick.
+bool ContactFactor::isSolvedByPair(Eigen::Index row) const {
+  for (Eigen::Index k = 0; k < 3; ++k)
+    if (A(row, k) != 0 || (B(row, k) != 0) != (k == row % 3)) return false;
+  return true;
+}
+
+// Rows of which M has nothing are pinned, or not there.
+void ContactFactor::findRest() {
+  for (Eigen::Index row = 0; row < M_.rows(); ++row)
+    if (M_(row, row) > 0 && !isSolvedByPair(row)) rest_.push_back(row);
+}
+
+// The other rows; 0 where M has nothing.
+Eigen::VectorXd ContactFactor::solvedByPairs(const Eigen::VectorXd& b) const {
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(b.size());
+  for (Eigen::Index row = 0; row < b.size(); ++row)
+    if (M_(row, row) > 0 && isSolvedByPair(row)) d[row] = b[row] / B(row, row % 3);
+  return d;
+}
+
+// (A M + B)(rest, rest)
+Eigen::MatrixXd ContactFactor::restMatrix() const {
+  const Eigen::Index n = Eigen::Index(rest_.size());
+  Eigen::MatrixXd block(n, n);
+  for (Eigen::Index j = 0; j < n; ++j) {
+    const Eigen::Index column = rest_[std::size_t(j)];
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
+      block(i, j) = A(row, 0) * M_(at, column) + A(row, 1) * M_(at + 1, column) + A(row, 2) * M_(at + 2, column);
+      if (column - column % 3 == at) block(i, j) += B(row, column % 3);
+    }
+  }
+  return block;
+}
+
+// (b - (A M + B) x)(rest); what a motion of the kernel leaves of M by round-off is left out, as bodies may have gone far.
+Eigen::VectorXd ContactFactor::residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd bent = x - kernel_ * (kernel_.transpose() * x), Mx = M_ * bent;
+  Eigen::VectorXd left(Eigen::Index(rest_.size()));
+  for (Eigen::Index i = 0; i < left.size(); ++i) {
+    const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
+    left[i] = b[row];
+    for (Eigen::Index k = 0; k < 3; ++k) left[i] -= A(row, k) * Mx[at + k] + B(row, k) * x[at + k];
+  }
+  return left;
+}
+
+Eigen::VectorXd ContactFactor::withRest(Eigen::VectorXd x, const Eigen::VectorXd& rest) const {
+  for (std::size_t i = 0; i < rest_.size(); ++i) x[rest_[i]] = rest[Eigen::Index(i)];
+  return x;
+}
+
+// (A X)(rest) or (B X)(rest) of values X on the rest
+Eigen::MatrixXd ContactFactor::timesOnRest(double (ContactFactor::*block)(Eigen::Index, Eigen::Index) const, const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(blocks_.rows(), X.cols()), Y(X.rows(), X.cols());
+  for (std::size_t i = 0; i < rest_.size(); ++i) all.row(rest_[i]) = X.row(Eigen::Index(i));
+  for (std::size_t i = 0; i < rest_.size(); ++i) {
+    const Eigen::Index row = rest_[i], at = row - row % 3;
+    Y.row(Eigen::Index(i)).setZero();
+    for (Eigen::Index k = 0; k < 3; ++k) Y.row(Eigen::Index(i)) += (this->*block)(row, k) * all.row(at + k);
+  }
+  return Y;
+}
+
+// Motions of the kernel that leave the other rows alone: M(rest, rest) does not feel them.
+Eigen::MatrixXd ContactFactor::kernelOnRest() const {
+  constexpr double kStays = 1e-10;  // of a motion of length 1
+  if (kernel_.cols() == 0 || rest_.empty()) return Eigen::MatrixXd(Eigen::Index(rest_.size()), 0);
+  Eigen::MatrixXd others = kernel_, inside(Eigen::Index(rest_.size()), kernel_.cols());
+  for (std::size_t i = 0; i < rest_.size(); ++i) inside.row(Eigen::Index(i)) = kernel_.row(rest_[i]), others.row(rest_[i]).setZero();
+  const RightSvd svd(others);  // not by a Gram matrix, whose round-off is 1e-8 of a motion
+  Eigen::Index k = 0;
+  while (k < kernel_.cols() && svd.values[kernel_.cols() - 1 - k] <= kStays) ++k;
+  return inside * svd.V.rightCols(k);
+}
+
+void ContactFactor::prepareKernel(const Eigen::MatrixXd& held) {
+  held_ = held;
+  answers_ = factor_.solve(timesOnRest(&ContactFactor::B, held));
+  const Eigen::MatrixXd H = held_.transpose() * answers_;
+  scale_ = H.diagonal().cwiseAbs().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
+  small_ = scale_.asDiagonal() * H * scale_.asDiagonal();
+}
+
+Eigen::VectorXd ContactFactor::solve(const Eigen::VectorXd& b) const {
+  const Eigen::VectorXd d = solvedByPairs(b);
+  Eigen::VectorXd y = factor_.solve(residual(b, d));
+  if (held_.cols() > 0 && y.allFinite() && small_.allFinite()) {
+    const Eigen::VectorXd a = Haptos::solveLeastSquares(small_, scale_.asDiagonal() * (held_.transpose() * y));
+    y += (held_ - answers_) * scale_.cwiseProduct(a);
+  }
+  return withRest(d, y);
+}
+
+// Cholesky's method and LU are good for all but singular matrices.
+bool ContactFactor::isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& b) const {
+  constexpr double kUseless = 1e-6;  // residual of a solution that is none
+  return x.allFinite() && residual(b, x).norm() <= kUseless * residual(b, solvedByPairs(b)).norm();
+}
+
+Eigen::VectorXd ContactFactor::solveLeastSquares(const Eigen::VectorXd& b) const {
+  const Eigen::VectorXd d = solvedByPairs(b);
+  return withRest(d, Haptos::solveLeastSquares(restMatrix(), residual(b, d)));
+}
+
+int ContactFactor::numChanged(const Eigen::MatrixXd& blocks) const {
+  constexpr double kMuch = 0.1;
+  int count = 0;
+  for (Eigen::Index at = 0; at < blocks.rows(); at += 3) {
+    const auto changed = [&](Eigen::Index first) {
+      const auto now = blocks.block<3, 3>(at, first), before = blocks_.block<3, 3>(at, first);
+      return (now - before).norm() > kMuch * before.norm();
+    };
+    count += changed(0) || changed(3);
+  }
+  return count;
+}
+
+}  // namespace Haptos
