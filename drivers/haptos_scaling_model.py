@@ -169,7 +169,8 @@ def compare_parts(summary, p):
             rows.append((f"bytes of {name}, most of a rank <=", int(RAGGED * sent["vectors"] * faces_of_boxes(elements, elements / parts, ranks)),
                          int(sent["over_ranks"]["message_bytes"]["max"])))
     if coarse["factors"] < ranks:
-        held = int(busiest_share(ranks) * 2.2 * 27 * coarse["unknowns"] ** (4 / 3))
+        share = busiest_share(ranks) if counts_factors(summary) else 1
+        held = int(share * 2.2 * 27 * coarse["unknowns"] ** (4 / 3))
         rows += shared_factor(summary) + [("coarse entries held, most of a rank <=", held, coarse["factor_entries"])]
     return rows
 

@@ -7,16 +7,11 @@
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <vector>
 
-// Teuchos has neither these by divide and conquer nor those in a range.
+// Teuchos has none by divide and conquer.
 extern "C" void dsyevd_(const char* job, const char* uplo, const int* n, double* A, const int* lda, double* values, double* work, const int* lwork,
                         int* iwork, const int* liwork, int* info);
-extern "C" void dsygvx_(const int* type, const char* job, const char* range, const char* uplo, const int* n, double* A, const int* lda, double* B,
-                        const int* ldb, const double* lower, const double* upper, const int* first, const int* last, const double* tolerance,
-                        int* found, double* values, double* vectors, const int* ldz, double* work, const int* lwork, int* iwork, int* failed,
-                        int* info);
 
 namespace Haptos {
 namespace {
@@ -77,22 +72,6 @@ SymmetricPencil::SymmetricPencil(const Eigen::MatrixXd& A, const Eigen::MatrixXd
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A, B);
   values = eigen.eigenvalues();
   vectors = eigen.eigenvectors();
-}
-
-LargestEigen::LargestEigen(Eigen::MatrixXd A, Eigen::MatrixXd B, double least) {
-  const int n = int(A.rows()), type = 1, one = 1, lwork = 40 * std::max(1, n);  // blocks of 32
-  // theta <= |A| / (least eigenvalue of B), which is not known
-  const double most = std::numeric_limits<double>::max(), tolerance = 0;
-  Eigen::VectorXd all(n), work(lwork);
-  Eigen::MatrixXd Z(n, n);
-  std::vector<int> iwork(std::size_t(5 * n)), failed(static_cast<std::size_t>(n));
-  int found = 0, info = 0;
-  if (n > 0)
-    dsygvx_(&type, "V", "V", "L", &n, A.data(), &n, B.data(), &n, &least, &most, &one, &n, &tolerance, &found, all.data(), Z.data(), &n, work.data(),
-            &lwork, iwork.data(), failed.data(), &info);
-  if (info != 0) found = 0;
-  values = all.head(found);
-  vectors = Z.leftCols(found);
 }
 
 RightSvd::RightSvd(const Eigen::MatrixXd& A) {

@@ -16,6 +16,8 @@ struct SymmetricEigen {
 };
 
 /// \brief Eigenvalues above `least`, ascending, and their vectors of A v = theta B v, v^T B v = 1; none where B is not positive definite.
+///
+/// Of large matrices to a few per cent of an eigenvalue: of those near `least` some may be missing.
 struct LargestEigen {
   Eigen::VectorXd values;
   Eigen::MatrixXd vectors;  ///< columns

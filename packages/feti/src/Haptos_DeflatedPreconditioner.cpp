@@ -75,8 +75,9 @@ class DeflatedContactBlock final : public Operator {
 }  // namespace
 
 // How many columns there would be is known before they are made, and the same on all ranks.
-RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender) {
-  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender));
+RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
+                                                                      int largestSpectrum) {
+  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender, largestSpectrum));
   long mine = 0;
   for (const auto& motions : result->motions_) mine += motions.cols();
   if (sumOfAll(*base->getRangeMap()->getComm(), mine) > kLargest) return {};
@@ -84,14 +85,14 @@ RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const D
   return result;
 }
 
-DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender)
+DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender, int largestSpectrum)
     : base_(std::move(base)), HZ_(boundaryUnknowns()), CHZ_(boundaryUnknowns()) {
-  findMotions(slender);
+  findMotions(slender, largestSpectrum);
 }
 
 // Rigid motions of every subdomain, on its boundary unknowns, and soft ones: those of slender ones take the dense S apart into L^T L for
 // good, as S itself has lost the energies of soft motions to round-off, L has not.  Of others those that moving copies apart makes stiff.
-void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
+void DeflatedPreconditioner::findMotions(const std::vector<char>& slender, int largestSpectrum) {
   const LocalSystems& systems = base_->systems();
   motions_.resize(std::size_t(systems.size()));
   L_.resize(std::size_t(systems.numClasses()));
@@ -102,7 +103,7 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender) {
     const Eigen::MatrixXd rigid = rigidMotions(members.front());
     for (int i : members) motions_[std::size_t(i)] = rigid;
     const bool isSlender = slender[std::size_t(members.front())];
-    if (!isSlender && rigid.rows() > kLargestSpectrum) continue;
+    if (!isSlender && rigid.rows() > largestSpectrum) continue;
     const Eigen::MatrixXd S = denseOf(c);
     if (isSlender) {
       SoftSpectrum soft = softSpectrum(S, rigid);

@@ -24,15 +24,18 @@ namespace Haptos {
 class DeflatedPreconditioner final : public Operator {
  public:
   static constexpr long kLargest = 5000;  ///< columns of Z
-  /// Unknowns of a subdomain's boundary: beyond, the dense eigenproblem of its spectral modes costs more than they save (decisions/042).
-  static constexpr int kLargestSpectrum = 1000;
+  /// Unknowns of a subdomain's boundary up to which its spectral modes are had for as much as some tens of iterations, and up to which its
+  /// dense matrices are made at all (decisions/042).
+  static constexpr int kUsualSpectrum = 1000, kLargestSpectrum = 5000;
   static constexpr long kMostSpectral = 2000;  ///< columns that are spectral modes
 
   /// \brief Null where Z would have more than `kLargest` columns.  Collective.
   ///
   /// \param slender [local subdomains] those whose soft motions are looked for; `base` must have their S in double
   /// precision, since soft motions live in its last digits.
-  static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender);
+  /// \param largestSpectrum unknowns of the boundary of others up to which spectral modes are looked for
+  static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
+                                                int largestSpectrum = kUsualSpectrum);
 
   RCP<const Map> getDomainMap() const override { return base_->getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return base_->getRangeMap(); }
@@ -57,8 +60,8 @@ class DeflatedPreconditioner final : public Operator {
   long applications() const { return applications_; }
 
  private:
-  DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender);
-  void findMotions(const std::vector<char>& slender);
+  DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender, int largestSpectrum);
+  void findMotions(const std::vector<char>& slender, int largestSpectrum);
   Eigen::MatrixXd rigidMotions(int subdomain) const;
   Eigen::MatrixXd denseOf(int congruenceClass) const;
   void findSpectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const std::vector<int>& members,

@@ -97,7 +97,7 @@ void FetiSystem::factor(const LocalSolverOptions& options, std::optional<Precond
 void FetiSystem::makePreconditioner(SurfaceOperators surface) {
   if (!kind_) return;
   findSlender();
-  findSpectra();
+  findLargestBoundary();
   RCP<const LocalSystems> systems = systems_;
   if (model_.softened) systems = assembleAgain(model_.softened, surface, kind_ == PreconditionerKind::Dirichlet);
   preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface)));
@@ -168,29 +168,27 @@ void FetiSystem::findSlender() {
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
-// Spectral modes are looked for in subdomains with few boundary unknowns, and where there are few subdomains: the factor of K is dense.  The
-// dense S that they want costs a solve for each of these unknowns: from the first step on only where that is little.
-void FetiSystem::findSpectra() {
-  constexpr int kCheap = 300;  // decisions/042
-  bool isLarge = kind_ != PreconditionerKind::Dirichlet, isDear = false;
-  for (int i = 0; i < systems_->size(); ++i) {
-    const int size = int(touched_->of(i).size());
-    isLarge = isLarge || size > DeflatedPreconditioner::kLargestSpectrum;
-    isDear = isDear || size > kCheap;
-  }
-  hasSpectra_ = !anyOfAll(*model_.comm, isLarge) && G_->dimension() <= DeflatedPreconditioner::kMostSpectral;
-  hasCheapSpectra_ = !anyOfAll(*model_.comm, isDear) && hasSpectra_;
+void FetiSystem::findLargestBoundary() {
+  int mine = 0;
+  for (int i = 0; i < systems_->size(); ++i) mine = std::max(mine, int(touched_->of(i).size()));
+  largestBoundary_ = largestOfAll(*model_.comm, mine);
+}
+
+// Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is
+// dense.
+bool FetiSystem::hasSpectra(int largestSpectrum) const {
+  return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedPreconditioner::kMostSpectral;
 }
 
 // Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
 // volume.
-RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated() const {
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(int largestSpectrum) const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
   SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
-  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra_);
+  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra(largestSpectrum));
   const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
-  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_, largestSpectrum);
 }
 
 }  // namespace Haptos

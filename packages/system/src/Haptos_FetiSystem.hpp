@@ -58,17 +58,21 @@ class FetiSystem {
   const DualProblem& dual() const { return dual_; }
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
   /// \brief Whether the preconditioner is known to be poor from the start: slender subdomains, or hard elements whose spectral modes cost little.
-  bool needsDeflation() const { return anySlender_ || (model_.isHard && hasCheapSpectra_); }
+  bool needsDeflation() const { return anySlender_ || (model_.isHard && hasSpectra(kCheapSpectrum)); }
+  int largestBoundary() const { return largestBoundary_; }  ///< unknowns of any subdomain's boundary that rows touch
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
-  RCP<const DeflatedPreconditioner> makeDeflated() const;
+  /// \param largestSpectrum see `DeflatedPreconditioner::make`
+  RCP<const DeflatedPreconditioner> makeDeflated(int largestSpectrum) const;
 
  private:
+  static constexpr int kCheapSpectrum = 300;  ///< unknowns of a boundary: from the first step on only where dense S costs little (decisions/042)
   void useRows();
   template <class Holds>
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();
-  void findSpectra();
+  void findLargestBoundary();
+  bool hasSpectra(int largestSpectrum) const;
   void makePreconditioner(SurfaceOperators surface);
   RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense) const;
 
@@ -87,7 +91,8 @@ class FetiSystem {
   LocalSolverMethod localMethod_ = LocalSolverMethod::Automatic;
   std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]
-  bool anySlender_ = false, hasSpectra_ = false, hasCheapSpectra_ = false;
+  bool anySlender_ = false;
+  int largestBoundary_ = 0;
 };
 
 }  // namespace Haptos

@@ -68,9 +68,17 @@ bool isTooSlow(long k, double residual, double tolerance) {
   return k > 0 && k % kLook == 0 && k * std::log(tolerance) < kMany * std::log(residual);
 }
 
+// Motions of large subdomains cost far more than those of others: these alone come first.
+std::vector<int> untriedSpectra(const FetiSystem& system) {
+  using Deflated = DeflatedPreconditioner;
+  if (system.preconditioner().is_null()) return {};
+  if (system.largestBoundary() <= Deflated::kUsualSpectrum) return {Deflated::kUsualSpectrum};
+  return {Deflated::kLargestSpectrum, Deflated::kUsualSpectrum};
+}
+
 }  // namespace
 
-PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)), mayDeflate_(!context_.system.preconditioner().is_null()) {
+PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)), spectra_(untriedSpectra(context_.system)) {
   begin(context_.start);
   if (context_.system.needsDeflation()) deflate();
   else use(context_.system.preconditioner());
@@ -89,8 +97,8 @@ void PcpgSolver::use(RCP<const Operator> M) {
 }
 
 void PcpgSolver::deflate() {
-  mayDeflate_ = false;
-  deflated_ = context_.system.makeDeflated();
+  deflated_ = context_.system.makeDeflated(spectra_.back());
+  spectra_.pop_back();
   use(deflated_.is_null() ? RCP<const Operator>(context_.system.preconditioner()) : RCP<const Operator>(deflated_));
 }
 
@@ -136,7 +144,7 @@ double PcpgSolver::iterate(double tolerance, long most) {
     const auto [rz, rr] = products(r, z);
     const double residual = std::sqrt(rr) / reference_;
     if (residual <= tolerance) return 0.0;
-    if (k == most || (mayDeflate_ && isTooSlow(k, residual, tolerance))) return residual;
+    if (k == most || (!spectra_.empty() && isTooSlow(k, residual, tolerance))) return residual;
     p.update(1.0, z, k == 0 ? 0.0 : rz / before);
     dual.F->apply(p, Fp);
     const double pFp = p.dot(Fp);
@@ -153,10 +161,11 @@ double PcpgSolver::iterate(double tolerance, long most) {
 bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
-  if (iterate(request.tolerance, left()) == 0) return true;
-  if (!mayDeflate_ || left() < 2) return false;
-  deflate();
-  return iterate(request.tolerance, left()) == 0;
+  while (iterate(request.tolerance, left()) > 0) {
+    if (spectra_.empty() || left() < 2) return false;
+    deflate();
+  }
+  return true;
 }
 
 bool PcpgSolver::solve(const SolveRequest& request) {

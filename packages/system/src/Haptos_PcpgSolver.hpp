@@ -41,7 +41,7 @@ class PcpgSolver final : public ContactSolver {
   RCP<Vector> lambda_;      ///< G lambda = e
   double reference_ = 0;    ///< || P (h - F lambdaIm) || [length], what residuals are compared with; 0: loads need no lambda but lambdaIm
   std::unique_ptr<const BalancedPreconditioner> preconditioner_;
-  bool mayDeflate_;  ///< it was not tried yet: there may be nothing to deflate
+  std::vector<int> spectra_;  ///< largest spectra of the deflated preconditioners that were not tried yet, the next one last
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;

@@ -93,7 +93,7 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   ContactOperators::Deflated makeDeflated() {
-    deflated = context.system.makeDeflated();
+    deflated = context.system.makeDeflated(DeflatedPreconditioner::kLargestSpectrum);
     if (deflated.is_null()) return {};
     return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
   }

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Decompositions of ours, or of LAPACK behind our names, of matrices whose answers are known.
+#include "Haptos_DenseDecompositions.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <cmath>
+#include <limits>
+
+#include "DenseAlgebra.hpp"
+
+using namespace Haptos;
+using Dense = Eigen::MatrixXd;
+using Values = Eigen::VectorXd;
+
+namespace {
+
+Dense numbers(Eigen::Index rows, Eigen::Index columns, double phase) {
+  return Dense::NullaryExpr(rows, columns, [&](Eigen::Index i, Eigen::Index j) { return std::sin(phase + 1.7 * double(i * i % 1009) + 2.3 * double(j) * double(i % 31 + 1)); });
+}
+
+// A v = theta B v with theta as given: B = L L^T, A = L Q diag(theta) Q^T L^T
+struct Pencil {
+  Dense A, B;
+  explicit Pencil(const Values& theta) {
+    const Eigen::Index n = theta.size();
+    const Dense Q = Testing::squareQ(numbers(n, n, 0.3));
+    Dense L = Dense::Zero(n, n);
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (Eigen::Index i = j; i < n; ++i) L(i, j) = i == j ? 1 + 0.5 * std::sin(double(j)) : 0.3 * std::sin(double(3 * i + j)) / double(1 + i - j);
+    A = L * Q * theta.asDiagonal() * Q.transpose() * L.transpose();
+    B = L * L.transpose();
+  }
+};
+
+}  // namespace
+
+// A few of them above the bound in a matrix that is large, some of those close together; with all of them above it, and in a small one.
+TEUCHOS_UNIT_TEST(LargestEigen, FindsAllAboveABound) {
+  for (const auto& [n, many] : {std::pair(700, 50), {700, 600}, {90, 20}}) {
+    Values theta(n);
+    for (Eigen::Index k = 0; k < n; ++k) theta[k] = k < n - many ? 3.5 * double(k + 1) / double(n - many) : 5 * std::pow(200.0, double((k - n + many) / 2 * 2) / many);
+    const Pencil pencil(theta);
+    const LargestEigen found(pencil.A, pencil.B, 4);
+    TEST_EQUALITY(found.values.size(), Eigen::Index(many));
+    TEST_EQUALITY(found.vectors.cols(), Eigen::Index(many));
+    if (found.values.size() != many) continue;
+    for (Eigen::Index k = 0; k < many; ++k) TEST_COMPARE(std::abs(found.values[k] / theta[n - many + k] - 1), <, 0.01);
+    const Dense &V = found.vectors, gram = V.transpose() * pencil.B * V;
+    TEST_COMPARE((gram - Dense::Identity(many, many)).cwiseAbs().maxCoeff(), <, 1e-9);
+    const Dense left = pencil.A * V - pencil.B * V * found.values.asDiagonal();
+    for (Eigen::Index k = 0; k < many; ++k)  // in the norm of B^-1
+      TEST_COMPARE(std::sqrt(left.col(k).dot(Testing::choleskySolve(pencil.B, left.col(k)).col(0))), <, 0.031 * found.values[k]);
+  }
+}
+
+TEUCHOS_UNIT_TEST(LargestEigen, FindsNoneOfWhatIsNotDefinite) {
+  for (const Eigen::Index n : {30, 600}) {
+    Dense B = Dense::Identity(n, n);
+    B(n - 1, n - 1) = -1;
+    TEST_EQUALITY(LargestEigen(2 * Dense::Identity(n, n), B, 1).values.size(), 0);
+    TEST_EQUALITY(LargestEigen(0.5 * Dense::Identity(n, n), Dense::Identity(n, n), 1).values.size(), 0);
+  }
+}
+
+TEUCHOS_UNIT_TEST(PivotedCholesky, LeavesDependentRowsOut) {
+  const Eigen::Index n = 40, rank = 25;
+  const Dense X = numbers(n, rank, 0.1), A = X * X.transpose(), b = A * numbers(n, 2, 0.9);
+  const PivotedCholesky factor(A, 1e-10);
+  TEST_EQUALITY(factor.rank(), rank);
+  const Dense x = factor.solve(b);
+  TEST_COMPARE((A * x - b).norm(), <, 1e-9 * b.norm());
+  TEST_EQUALITY((x.col(0).array() == 0).count(), n - rank);
+  TEST_EQUALITY(factor.solve(Dense(n, 0)).cols(), 0);
+  TEST_EQUALITY(PivotedCholesky(Dense::Zero(3, 3), 1e-10).solve(Dense::Ones(3, 1)).norm(), 0.0);
+}
+
+TEUCHOS_UNIT_TEST(DenseFactor, SolvesOrSaysThatItCannot) {
+  using Kind = DenseFactor::Kind;
+  const Dense X = numbers(30, 30, 0.2), S = X * X.transpose() + Dense::Identity(30, 30), b = numbers(30, 3, 0.5);
+  TEST_COMPARE((X * DenseFactor(X, Kind::Lu).solve(b) - b).norm(), <, 1e-10 * b.norm());
+  Dense lower = S;
+  lower.triangularView<Eigen::StrictlyUpper>().setConstant(std::numeric_limits<double>::quiet_NaN());
+  TEST_COMPARE((S * DenseFactor(lower, Kind::Cholesky).solve(b) - b).norm(), <, 1e-10 * b.norm());
+  TEST_ASSERT(!DenseFactor(-S, Kind::Cholesky).solve(b).allFinite());
+  TEST_ASSERT(!DenseFactor(Dense::Zero(30, 30), Kind::Lu).solve(b).allFinite());
+  TEST_EQUALITY(DenseFactor().solve(Dense(0, 2)).size(), 0);
+}
+
+TEUCHOS_UNIT_TEST(AddGram, AddsToTheLowerTriangle) {
+  const Dense T = numbers(7, 5, 0.4), before = numbers(5, 5, 0.6);
+  Dense A = before;
+  addGram(T, A);
+  const Dense expected = before + T.transpose() * T;
+  TEST_COMPARE(Dense((A - expected).triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), <, 1e-14);
+}
