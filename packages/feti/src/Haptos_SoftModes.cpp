@@ -10,8 +10,6 @@ namespace Haptos {
 // By the eigenvalues of sum d d^T, d from the mean: squares of the extents along the principal axes.
 bool isSlender(const Coordinates& coordinates) {
   constexpr double kRatio = 10;    // extents; ordinary meshes are to pay nothing (decisions/016)
-  constexpr std::size_t kLargest = 400;    // nodes
-  if (coordinates.size() > kLargest) return false;
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& x : coordinates) mean += Eigen::Vector3d(x.data());
   mean /= double(coordinates.size());

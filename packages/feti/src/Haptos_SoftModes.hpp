@@ -7,8 +7,6 @@
 namespace Haptos {
 
 /// \brief Whether a subdomain is a needle or a plate: its nodes spread 10 times as far one way as another.
-///
-/// No where it has more than 400 nodes: the dense eigenproblem of its soft motions would cost more than it saves.
 bool isSlender(const Coordinates& coordinates);
 
 /// \brief A slender subdomain's S in a form that keeps the digits of soft motions, and those motions.

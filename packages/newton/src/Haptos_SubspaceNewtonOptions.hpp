@@ -110,8 +110,9 @@ struct SubspaceNewtonOptions {
   struct Condensed {
     /// Of phi: about what one F leaves.  1e-9 took as many F on all scenes with long axes, and four times the products with M.
     double reduction = 1e-2;
-    /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (5 F became 21 at 1e-2).
-    double reductionSlender = 1e-9;
+    /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (1e-2 took up to four times
+    /// the F, 1e-5 lost one scene).  1e-9 is round-off in some: three paths were followed for each direction (decisions/040).
+    double reductionSlender = 1e-6;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
     int trialSteps = 2;            ///< where a path has stages to begin at, Newton's method ends after so many steps that leave more
     double trialLeaves = 0.5;      ///< than this: it found its way at once, or took all its steps for nothing

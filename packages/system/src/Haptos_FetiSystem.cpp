@@ -162,9 +162,11 @@ void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
 
 // All ranks must know: a deflated preconditioner is built together or not at all.
 void FetiSystem::findSlender() {
+  const auto isSoft = [&](int i) {
+    return int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSlender && isSlender(model_.stiffness->coordinates(i));
+  };
   slender_.clear();
-  for (int i = 0; i < systems_->size(); ++i)
-    slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSlender(model_.stiffness->coordinates(i)));
+  for (int i = 0; i < systems_->size(); ++i) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSoft(i));
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
