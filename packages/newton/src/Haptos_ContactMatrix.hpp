@@ -32,6 +32,8 @@ class ContactMatrix {
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
+  ContactMatrix(const ContactMatrix&) = delete;  // factors refer to it
+  ContactMatrix& operator=(const ContactMatrix&) = delete;
 
   Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;  ///< Collective
 

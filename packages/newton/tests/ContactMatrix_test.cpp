@@ -11,15 +11,16 @@ namespace {
 
 using namespace HaptosTest;
 
+// Of pair i, wherever it is: A not symmetric, K symmetric and positive.
+Eigen::Matrix3d blockA(int i) {
+  return Eigen::Matrix3d::NullaryExpr([&](int r, int c) { return double(r == c) + 0.1 * std::sin(1.0 + i + 2 * r + 5 * c); });
+}
+Eigen::Matrix3d blockK(int i) { return std::pow(10.0, i % 5 - 2) * blockA(i) * blockA(i).transpose(); }
+
 TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
   const Scene t(false);
   const DenseMatrix Mcc = t.contactM();
   const DenseVector b = numbers(3 * kGroups, 0.7);
-  // of pair i, wherever it is: A not symmetric, K symmetric and positive
-  const auto blockA = [](int i) -> Eigen::Matrix3d {
-    return Eigen::Matrix3d::NullaryExpr([&](int r, int c) { return double(r == c) + 0.1 * std::sin(1.0 + i + 2 * r + 5 * c); });
-  };
-  const auto blockK = [&](int i) -> Eigen::Matrix3d { return std::pow(10.0, i % 5 - 2) * blockA(i) * blockA(i).transpose(); };
   DenseMatrix AMB = Mcc, MK = Mcc;
   for (int i = 0; i < kGroups; ++i) {
     AMB.middleRows<3>(3 * i) = (blockA(i) * AMB.middleRows<3>(3 * i)).eval();
@@ -57,6 +58,42 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
     const double errorOfSymmetric = t.difference(asRows(contactMatrix(t, ContactMatrix::Kind::Products, few).solveSymmetric(K, mine)), symmetric);
     TEST_EQUALITY(std::max(errorOfGeneral, errorOfSymmetric) < 1e-10, rowsOfStep == 40);
   }
+}
+
+// A factor of before is the preconditioner of a system that hardly differs, whose solution then has the tolerance's digits, and no more; one with more pairs that
+// changed is factored anew.
+TEUCHOS_UNIT_TEST(ContactMatrix, AFactorServesWhereFewPairsChanged) {
+  const Scene t(false);
+  SubspaceNewtonOptions::Condensed options;
+  options.changedPairs = 2;
+  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense, options);
+  const DenseVector b = numbers(3 * kGroups, 0.7);
+  const auto error = [&](int changed, double factor, double slightly) {  // K of the first pairs times `factor`, of the others times `slightly`
+    const auto blockOf = [&](int i) -> Eigen::Matrix3d { return (i < changed ? factor : slightly) * blockK(i); };
+    DenseMatrix AMB = t.contactM();
+    ContactMatrix::Blocks A, K;
+    for (int i = 0; i < kGroups; ++i) {
+      AMB.middleRows<3>(3 * i) = (blockA(i) * AMB.middleRows<3>(3 * i)).eval();
+      AMB.block<3, 3>(3 * i, 3 * i) += blockOf(i);
+    }
+    DenseVector rhs = DenseVector::Zero(t.GT.rows()), expected = rhs;
+    rhs.head(3 * kGroups) = b;
+    expected.head(3 * kGroups) = Testing::luSolve(AMB, b);
+    for (const PairLaw& pair : t.dual.pairs) {
+      const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
+      A.push_back(blockA(i));
+      K.push_back(blockOf(i));
+    }
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+    t.vectors.setContact(x, matrix.solve(A, K, t.vectors.contact(t.local(rhs)), 1e-4));
+    return t.difference(x, expected);
+  };
+  TEST_COMPARE(error(0, 1, 1), <, 1e-12);
+  for (const auto& [changed, factor] : {std::pair(0, 1.0), {2, 3.0}}) {
+    const double left = error(changed, factor, 1.05);
+    TEST_ASSERT(left > 1e-9 && left < 1e-2);
+  }
+  TEST_COMPARE(error(3, 3, 1.05), <, 1e-12);
 }
 
 // A body that friction holds along one axis only, by 1e-9 of what M is, goes far along the other: no residual tells of it.
