@@ -64,7 +64,7 @@ class BlockKrylov {
     const SymmetricEigen ritz(T_);
     const Eigen::Index count = (ritz.values.array() > least).count();
     values_ = ritz.values.tail(count);
-    vectors_ = V_ * ritz.vectors.rightCols(count);
+    coefficients_ = ritz.vectors.rightCols(count);
     const Eigen::VectorXd residuals = (R * ritz.vectors.bottomRightCorner(kBlock, count)).colwise().norm();
     V_.conservativeResize(Eigen::NoChange, m + kBlock);
     V_.rightCols(kBlock) = Q;
@@ -72,7 +72,7 @@ class BlockKrylov {
   }
 
   const Eigen::VectorXd& values() const { return values_; }
-  Eigen::MatrixXd vectors() const { return L_.triangularView<Eigen::Lower>().transpose().solve(vectors_); }
+  Eigen::MatrixXd vectors() const { return L_.triangularView<Eigen::Lower>().transpose().solve(V_.leftCols(coefficients_.rows()) * coefficients_); }
 
  private:
   Eigen::MatrixXd multiply(Eigen::MatrixXd X) const {
@@ -83,7 +83,7 @@ class BlockKrylov {
   }
 
   const Eigen::MatrixXd &A_, &L_;
-  Eigen::MatrixXd V_, T_, vectors_;
+  Eigen::MatrixXd V_, T_, coefficients_;  // of the Ritz vectors in V
   Eigen::VectorXd values_;
 };
 

@@ -131,11 +131,12 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
   }
   std::optional<Eigen::VectorXd> direct;
   if (dense_.size() > 0) {
-    if (!(direct = solveByLast(equations, A, B, b))) direct = solveDirectly(A, B, b);
+    const Eigen::MatrixXd blocks = blocksOfAll(A, B);
+    if (!(direct = solveByLast(equations, blocks, b))) direct = solveDirectly(blocks, b);
     if (direct) return *direct;
   }
   const auto solution = equations.solveByGmres(vectors_, b);
-  if (!mayStay(solution)) direct = solveDirectly(A, B, b);
+  if (!mayStay(solution)) direct = solveDirectly(blocksOfAll(A, B), b);
   return direct.value_or(solution.x);
 }
 
@@ -143,7 +144,7 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
 Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
   const Blocks one(K.size(), Eigen::Matrix3d::Identity());
   std::optional<Eigen::VectorXd> direct;
-  if (dense_.size() > 0 && (direct = solveDirectly(one, K, b, Shape::Symmetric))) return *direct;
+  if (dense_.size() > 0 && (direct = solveDirectly(blocksOfAll(one, K), b, Shape::Symmetric))) return *direct;
   const Blocks inverse = invertedBlocks(one, K, diagonal_);
   ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
                              [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
@@ -155,7 +156,7 @@ Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::Vect
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
   const auto solution = equations.solveByCg(vectors_, b);
-  if (!mayStay(solution)) direct = solveDirectly(one, K, b, Shape::Symmetric);
+  if (!mayStay(solution)) direct = solveDirectly(blocksOfAll(one, K), b, Shape::Symmetric);
   return direct.value_or(solution.x);
 }
 
@@ -189,8 +190,7 @@ Eigen::MatrixXd ContactMatrix::blocksOfAll(const Blocks& A, const Blocks& B) con
 
 // The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no
 // solution but what a Krylov method comes to, or that of least norm where there is none.
-std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape) const {
-  const Eigen::MatrixXd blocks = blocksOfAll(A, B);
+std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b, Shape shape) const {
   const Eigen::VectorXd all = onAllRanks(b);
   auto factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, shape);
   Eigen::VectorXd x = factor->solve(all);
@@ -208,8 +208,8 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Blocks& A, con
 }
 
 // Once the set of what slips has settled a factor serves many steps.  Collective.
-std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
-  if (!last_ || last_->numChanged(blocksOfAll(A, B)) > options_.changedPairs) return {};
+std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const {
+  if (!last_ || last_->numChanged(blocks) > options_.changedPairs) return {};
   equations.preconditioner = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return last_->solve(onAllRanks(x)).segment(first_, x.size()); };
   equations.steps = options_.stepsByLast;
   const auto solution = equations.solveByGmres(vectors_, b);

@@ -59,8 +59,8 @@ class ContactMatrix {
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
   using Shape = ContactFactor::Shape;
   Eigen::MatrixXd blocksOfAll(const Blocks& A, const Blocks& B) const;
-  std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
-  std::optional<Eigen::VectorXd> solveDirectly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
+  std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
+  std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
 
   RCP<const Operator> M_;
   std::function<Eigen::MatrixXd()> makeWhole_;
