@@ -16,7 +16,8 @@ extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* ld
 namespace Haptos {
 
 // A P = Q R: the columns of A that pivoting finds independent, and Q.
-PivotedQr::PivotedQr(const Eigen::MatrixXd& A) {
+PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : Q(A.rows(), 0) {
+  if (A.size() == 0) return;  // the decomposition looks for a largest column
   const Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(A);
   for (Eigen::Index k = 0; k < qr.rank(); ++k) columns.push_back(qr.colsPermutation().indices()[k]);
   Q = qr.householderQ() * Eigen::MatrixXd::Identity(A.rows(), std::min(A.rows(), A.cols()));
@@ -64,6 +65,44 @@ Eigen::MatrixXd DenseFactor::solve(Eigen::MatrixXd B) const {
 }
 
 Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B) { return DenseFactor(std::move(A), DenseFactor::Kind::Lu).solve(std::move(B)); }
+
+namespace {
+
+// The lower triangle of A^-1, or nothing where A is not positive definite.
+Eigen::MatrixXd inverseByCholesky(Eigen::MatrixXd A) {
+  const int n = int(A.rows()), rows = std::max(1, n);
+  int info = 0;
+  Teuchos::LAPACK<int, double>().POTRF('L', n, A.data(), rows, &info);
+  if (info == 0) Teuchos::LAPACK<int, double>().POTRI('L', n, A.data(), rows, &info);
+  return info == 0 ? A : Eigen::MatrixXd();
+}
+
+// An upper bound of the largest absolute eigenvalue of a symmetric matrix.
+double largestRowSum(const Eigen::MatrixXd& A) {
+  const Eigen::MatrixXd all = A.selfadjointView<Eigen::Lower>();
+  return all.cwiseAbs().rowwise().sum().maxCoeff();
+}
+
+Eigen::VectorXd diagonalByEigenvectors(const Eigen::MatrixXd& A, double least) {
+  const SymmetricEigen eigen(A);
+  const Eigen::Index n = A.rows();
+  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (eigen.values[k] > least * eigen.values[n - 1]) diagonal += eigen.vectors.col(k).cwiseAbs2() / eigen.values[k];
+  return diagonal;
+}
+
+}  // namespace
+
+// (A + w N N^T)^-1 = A^+ + N N^T / w, if no eigenvalue but those of the kernel N is as small as round-off: bounds of the norms of A and of the
+// inverse tell.
+Eigen::VectorXd diagonalOfPseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least) {
+  if (A.rows() == 0) return {};
+  const double weight = A.diagonal().mean();
+  const Eigen::MatrixXd inverse = inverseByCholesky(A + weight * kernel * kernel.transpose());
+  if (inverse.size() == 0 || !(least * largestRowSum(A) * largestRowSum(inverse) < 1)) return diagonalByEigenvectors(A, least);
+  return inverse.diagonal() - kernel.rowwise().squaredNorm() / weight;
+}
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {
   if (A.size() == 0) return Eigen::VectorXd::Zero(A.cols());  // the decomposition looks for a largest column

@@ -34,6 +34,23 @@ Indices upTo(Eigen::Index n) {
   return all;
 }
 
+// use(columns, X) of blocks side by side, X [unknowns of the subdomain x columns], some hundred columns at a time: many blocks have few
+// columns, and a product with so few reads the other factor from memory.
+template <class Blocks, class Use>
+void forPanels(const Blocks& blocks, std::size_t unknowns, Use&& use) {
+  constexpr std::size_t kColumns = 256;
+  for (auto block = blocks.begin(); block != blocks.end();) {
+    auto end = block;
+    Indices columns;
+    for (; end != blocks.end() && columns.size() < kColumns; ++end) columns.insert(columns.end(), end->columns.begin(), end->columns.end());
+    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(Eigen::Index(unknowns), Eigen::Index(columns.size()));
+    for (Eigen::Index at = 0; block != end; at += Eigen::Index(block->columns.size()), ++block)
+      for (std::size_t k = 0; k < block->rows.size(); ++k)
+        X.row(block->rows[k]).segment(at, Eigen::Index(block->columns.size())) = block->matrix().row(Eigen::Index(k));
+    use(columns, X);
+  }
+}
+
 }  // namespace
 
 SubdomainColumns::SubdomainColumns(std::vector<std::vector<Eigen::Index>> unknowns) : unknowns_(std::move(unknowns)) {
@@ -97,19 +114,24 @@ Eigen::MatrixXd SubdomainColumns::gram(const SubdomainColumns& C) const {
   TEUCHOS_ASSERT(C.parts_.size() == parts_.size());
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cols_, C.cols_);
   for (std::size_t i = 0; i < parts_.size(); ++i)
-    for (const Block& right : *C.parts_[i]) {
-      Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[i].size()), Eigen::Index(right.columns.size()));
-      for (std::size_t k = 0; k < right.rows.size(); ++k) x.row(right.rows[k]) = right.matrix().row(Eigen::Index(k));
-      for (const Block& left : *parts_[i]) addTo(result, left.columns, right.columns, 1.0, left.matrix().transpose() * rowsOf(x, left.rows));
-    }
+    forPanels(*C.parts_[i], unknowns_[i].size(), [&](const Indices& columns, const Eigen::MatrixXd& X) {
+      for (const Block& left : *parts_[i]) addTo(result, left.columns, columns, 1.0, left.matrix().transpose() * rowsOf(X, left.rows));
+    });
   return result;
 }
 
+// So many columns at a time as stay in a processor's own memory while all blocks are taken from them.
 Eigen::MatrixXd SubdomainColumns::rest(std::size_t subdomain, const SubdomainColumns& X, const Eigen::MatrixXd& a) const {
+  constexpr Eigen::Index kColumns = 64;
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[subdomain].size()), X.cols_);
   for (const Block& block : *X.parts_[subdomain]) addTo(x, block.rows, block.columns, 1.0, block.matrix());
-  const Indices all = upTo(a.cols());
-  for (const Block& block : *parts_[subdomain]) addTo(x, block.rows, all, -1.0, block.matrix() * rowsOf(a, block.columns));
+  for (Eigen::Index first = 0; first < X.cols_; first += kColumns) {
+    const Eigen::Index width = std::min(kColumns, X.cols_ - first);
+    const Indices all = upTo(width);
+    auto part = x.middleCols(first, width);
+    for (const Block& block : *parts_[subdomain])
+      addTo(part, block.rows, all, -1.0, block.matrix() * rowsOf(a.middleCols(first, width), block.columns));
+  }
   return x;
 }
 

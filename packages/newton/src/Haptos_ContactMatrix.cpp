@@ -218,19 +218,23 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equat
 }
 
 // 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.
-// With S = diag(M)^-1/2, M^+ is taken as S (S M S)^+ S, whose rank does not depend on the stiffness of a pair.
+// With S = diag(M)^-1/2, M^+ is taken as S (S M S)^+ S, whose rank does not depend on the stiffness of a pair; rows of which M has nothing
+// are pinned, or not there.
 Eigen::VectorXd ContactMatrix::normalStiffness() const {
-  constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions and pinned rows
-  Eigen::VectorXd scale = dense_.diagonal();
-  for (double& value : scale) value = value > 0 ? 1 / std::sqrt(value) : 0.0;
-  const SymmetricEigen eigen(scale.asDiagonal() * dense_ * scale.asDiagonal());
-  Eigen::VectorXd stiffness(vectors_.numPairs());
-  for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
-    double compliance = 0;
-    for (Eigen::Index k = 0; k < size_; ++k)
-      if (eigen.values[k] > kFree * eigen.values[size_ - 1])
-        compliance += std::pow(scale[first_ + 3 * i] * eigen.vectors(first_ + 3 * i, k), 2) / eigen.values[k];
-    stiffness[i] = compliance > 0 ? 1 / compliance : 0.0;
+  constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions
+  std::vector<Eigen::Index> felt;
+  for (Eigen::Index row = 0; row < size_; ++row)
+    if (dense_(row, row) > 0) felt.push_back(row);
+  const Eigen::VectorXd diagonal = dense_.diagonal()(felt), S = diagonal.cwiseSqrt().cwiseInverse();
+  const Eigen::MatrixXd A = S.asDiagonal() * dense_(felt, felt) * S.asDiagonal();
+  const PivotedQr motions(diagonal.cwiseSqrt().asDiagonal() * wholeKernel_(felt, Eigen::all));
+  const Eigen::VectorXd inverse = diagonalOfPseudoInverse(A, motions.Q.leftCols(Eigen::Index(motions.columns.size())), kFree);
+  Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(vectors_.numPairs());
+  for (std::size_t k = 0; k < felt.size(); ++k) {
+    const Eigen::Index row = felt[k] - first_;
+    if (row < 0 || row >= 3 * stiffness.size() || row % 3 != 0) continue;
+    const double compliance = S[Eigen::Index(k)] * S[Eigen::Index(k)] * inverse[Eigen::Index(k)];
+    if (compliance > 0) stiffness[row / 3] = 1 / compliance;
   }
   return stiffness;
 }
