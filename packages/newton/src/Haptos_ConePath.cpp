@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
+#include <utility>
 
 namespace Haptos {
 namespace {
@@ -13,6 +15,28 @@ constexpr double kInside = 0.95;  // of the way to the boundary
 
 double determinant(const Eigen::Vector3d& x) { return x[0] * x[0] - x.tail<2>().squaredNorm(); }
 Eigen::Vector3d reflected(const Eigen::Vector3d& x) { return {x[0], -x[1], -x[2]}; }
+
+// 2 x x^T - R, where det x = 1
+Eigen::Matrix3d representation(const Eigen::Vector3d& x) {
+  Eigen::Matrix3d P = 2 * x * x.transpose();
+  P.diagonal() -= Eigen::Vector3d(1, -1, -1);
+  return P;
+}
+
+// x o z = (x . z, x_0 z_T + z_0 x_T)
+Eigen::Vector3d productOf(const Eigen::Vector3d& x, const Eigen::Vector3d& z) {
+  Eigen::Vector3d product = x[0] * z + z[0] * x;
+  product[0] = x.dot(z);
+  return product;
+}
+
+// z with x o z = c
+Eigen::Vector3d divided(const Eigen::Vector3d& c, const Eigen::Vector3d& x) {
+  Eigen::Vector3d z;
+  z[0] = reflected(x).dot(c) / determinant(x);
+  z.tail<2>() = (c.tail<2>() - z[0] * x.tail<2>()) / x[0];
+  return z;
+}
 
 // Largest t with x + t d in the cone: the smallest positive root of det(x + t d), or where the first component vanishes.
 double wayToBoundary(const Eigen::Vector3d& x, const Eigen::Vector3d& d) {
@@ -32,17 +56,23 @@ double wayToBoundary(const Eigen::Vector3d& x, const Eigen::Vector3d& d) {
 
 }  // namespace
 
-// W = theta (2 w w^T - R), R = diag(1, -1, -1), theta^2 = det l / det y and w between the directions of l and R y;
-// rest = - l + target y^-1,  y^-1 = R y / det y.
-void ConePoint::aim(double target) {
-  const double detL = std::sqrt(determinant(l)), detY = std::sqrt(determinant(y));
+// W = theta (2 w w^T - R), R = diag(1, -1, -1), theta^2 = det l / det y and w between the directions of l and R y; its root is that of theta
+// times the same with (w + e) / sqrt(2 (w_0 + 1)) in the place of w.
+void ConePoint::scale() {
+  const double detL = std::sqrt(determinant(l)), detY = std::sqrt(determinant(y)), theta = detL / detY;
   const Eigen::Vector3d from = l / detL, to = y / detY;
   const Eigen::Vector3d w = (from + reflected(to)) / (2 * std::sqrt((1 + from.dot(to)) / 2));
-  W = 2 * w * w.transpose();
-  W.diagonal() -= Eigen::Vector3d(1, -1, -1);
-  W *= detL / detY;
-  rest = -l + target / (detY * detY) * reflected(y);
+  const Eigen::Vector3d v = (w + Eigen::Vector3d(1, 0, 0)) / std::sqrt(2 * (w[0] + 1));
+  W = theta * representation(w);
+  root = std::sqrt(theta) * representation(v);
+  inverseRoot = representation(reflected(v)) / std::sqrt(theta);
 }
+
+// rest = - l + target y^-1,  y^-1 = R y / det y.
+void ConePoint::aim(double target) { rest = -l + target / determinant(y) * reflected(y); }
+
+// With x = W^1/2 y = W^-1/2 l the equation is  x o (W^-1/2 dl + W^1/2 dy) = target e - x o x - (W^-1/2 dl) o (W^1/2 dy).
+void ConePoint::correct() { rest -= root * divided(productOf(inverseRoot * dl, root * dy), root * y); }
 
 double ConePoint::longestStep() const { return std::min(1.0, kInside * std::min(wayToBoundary(l, dl), wayToBoundary(y, dy))); }
 
@@ -61,16 +91,14 @@ PairCones::PairCones(const PairLaw& pair, double force, double length)
 double PairCones::product() const { return (hasNormal_ ? normal_.l.dot(normal_.y) : 0.0) + (hasBall_ ? ball_.l.dot(ball_.y) : 0.0); }
 
 // Components outside of the cones: (M d sigma) = - lambda.
-void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target, SlipTerm slip) {
+void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, SlipTerm slip) {
   K_.setZero();
   jumpChange_ = (hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_).asDiagonal();
   const Eigen::Vector2d slips = jumpChange_.bottomRightCorner<2, 2>() * s.tail<2>();
   if (slip == SlipTerm::Derivative && slips.norm() > 0)
     jumpChange_.block<1, 2>(0, 1) = -slips.normalized().transpose() * jumpChange_.bottomRightCorner<2, 2>();
-  b_ = (D_.array() > 0).select(Eigen::Vector3d::Zero(), -lambda);
+  known_ = (D_.array() > 0).select(Eigen::Vector3d::Zero(), -lambda);
   missing_ = jumpMissing_ = Eigen::Vector3d::Zero();
-  if (hasNormal_) normal_.aim(target);
-  if (hasBall_) ball_.aim(target);
   linearizeCoulomb(lambda, s);
   if (hasBall_) linearizeBall(lambda, s);
 }
@@ -80,24 +108,38 @@ void PairCones::linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& 
 // one only.
 void PairCones::linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s) {
   if (!hasNormal_) return;
-  const Eigen::Vector3d D = hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_, inverse = hasBall_ ? D : inverseD_;
+  const Eigen::Vector3d D = normalD(), inverse = hasBall_ ? D : inverseD_;
   const Eigen::Vector3d jumps = -D.cwiseProduct(s);
   missing_ = inverse.cwiseProduct(lambda) - normal_.l;
   jumpMissing_ = jumps - normal_.y;
   jumpMissing_[0] += jumps.tail<2>().norm();
+  normal_.scale();
+  normal_.aim(0);
   K_ = D.asDiagonal() * normal_.W * jumpChange_;
-  b_ += D.cwiseProduct(normal_.rest - missing_ - normal_.W * jumpMissing_);
+  known_ -= D.cwiseProduct(missing_ + normal_.W * jumpMissing_);
 }
 
 // l_0 stays: the first row gives dy_0 = (rest_0 - W_0T dy_T) / W_00, and the others the Schur complement.
 void PairCones::linearizeBall(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s) {
-  const Eigen::Vector2d D = D_.tail<2>(), coupling = ball_.W.block<2, 1>(1, 0) / ball_.W(0, 0);
-  const Eigen::Matrix2d W = ball_.W.bottomRightCorner<2, 2>() - coupling * ball_.W.block<1, 2>(0, 1);
+  const Eigen::Vector2d D = D_.tail<2>();
   missing_.tail<2>() = inverseD_.tail<2>().cwiseProduct(lambda.tail<2>()) - ball_.l.tail<2>();
   jumpMissing_.tail<2>() = -D.cwiseProduct(s.tail<2>()) - ball_.y.tail<2>();
-  K_.bottomRightCorner<2, 2>() = D.asDiagonal() * W * D.asDiagonal();
-  const Eigen::Vector2d rest = ball_.rest.tail<2>() - coupling * ball_.rest[0];
-  b_.tail<2>() += D.cwiseProduct(rest - missing_.tail<2>() - W * jumpMissing_.tail<2>());
+  ball_.scale();
+  ball_.aim(0);
+  K_.bottomRightCorner<2, 2>() = D.asDiagonal() * ball_.tangentialW() * D.asDiagonal();
+  known_.tail<2>() -= D.cwiseProduct(missing_.tail<2>() + ball_.tangentialW() * jumpMissing_.tail<2>());
+}
+
+void PairCones::aim(double target) {
+  if (hasNormal_) normal_.aim(target), normal_.correct();
+  if (hasBall_) ball_.aim(target), ball_.correct();
+}
+
+Eigen::Vector3d PairCones::b() const {
+  Eigen::Vector3d b = known_;
+  if (hasNormal_) b += normalD().cwiseProduct(normal_.rest);
+  if (hasBall_) b.tail<2>() += D_.tail<2>().cwiseProduct(ball_.rest.tail<2>() - ball_.coupling() * ball_.rest[0]);
+  return b;
 }
 
 // l by W dy, not by M dsigma: what the linear solver leaves stays in the equation for forces, which the next step sees, and not in
@@ -158,33 +200,23 @@ class ConePath::Point {
   const std::vector<PairCones>& cones() const { return cones_; }
   const Eigen::VectorXd& s() const { return s_; }
 
-  // mean of l . y times the part that a step aims at
-  double target(double part) const {
+  // mean of l . y
+  double meanProduct() const {
     Eigen::Vector2d sums(0, 0);
     for (const PairCones& cones : cones_) sums += Eigen::Vector2d(cones.product(), cones.count());
     M_.vectors().sum(sums);
-    return part * sums[0] / std::max(1.0, sums[1]);
+    return sums[0] / std::max(1.0, sums[1]);
   }
 
-  // One step of Newton's method; the length of it that was taken.
-  double step(Eigen::VectorXd& sigma, double part, SlipTerm slip, double tolerance) {
-    const double aim = target(part);
-    ContactMatrix::Blocks K;
-    Eigen::VectorXd b(sigma.size());
-    for (std::size_t i = 0; i < cones_.size(); ++i) {
-      const Eigen::Index at = 3 * Eigen::Index(i);
-      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), aim, slip);
-      K.push_back(cones_[i].K());
-      b.segment<3>(at) = cones_[i].b();
-    }
-    const ContactMatrix::Blocks one(K.size(), Eigen::Matrix3d::Identity());
-    const Eigen::VectorXd d = slip == SlipTerm::Value ? M_.solveSymmetric(K, b) : M_.solve(one, K, b, tolerance);
-    double mine = 1, t = 1;
-    for (std::size_t i = 0; i < cones_.size(); ++i) {
-      cones_[i].setStep(d.segment<3>(3 * Eigen::Index(i)));
-      mine = std::min(mine, cones_[i].longestStep());
-    }
-    Teuchos::reduceAll(M_.vectors().comm(), Teuchos::REDUCE_MIN, mine, Teuchos::outArg(t));
+  // One step of Newton's method, the length of it that was taken: a first one to l . y = 0, which tells how far to go and what the linear
+  // equations leave out (predictor and corrector of Mehrotra), for one matrix.
+  double step(Eigen::VectorXd& sigma, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options) {
+    const auto solve = solver(slip, options.pathLinearTolerance);
+    takeStep(solve);
+    const double part = std::max(options.pathFar, std::pow(1 - longestStep(), 3)), target = part * meanProduct();
+    for (PairCones& cones : cones_) cones.aim(target);
+    const Eigen::VectorXd d = takeStep(solve);
+    const double t = longestStep();
     for (PairCones& cones : cones_) cones.advance(t);
     sigma += t * d;
     lambda_ += t * M_.multiply(d);
@@ -193,6 +225,36 @@ class ConePath::Point {
   }
 
  private:
+  using Solver = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+  // d sigma for b: the matrix at these forces and jumps
+  Solver solver(SlipTerm slip, double tolerance) {
+    ContactMatrix::Blocks K;
+    for (std::size_t i = 0; i < cones_.size(); ++i) {
+      const Eigen::Index at = 3 * Eigen::Index(i);
+      cones_[i].linearize(lambda_.segment<3>(at), s_.segment<3>(at), slip);
+      K.push_back(cones_[i].K());
+    }
+    if (slip == SlipTerm::Value) return [system = std::make_shared<ContactMatrix::Symmetric>(M_, std::move(K))](const auto& b) { return system->solve(b); };
+    const ContactMatrix::Blocks one(K.size(), Eigen::Matrix3d::Identity());
+    return [this, tolerance, one, K = std::move(K)](const auto& b) { return M_.solve(one, K, b, tolerance); };
+  }
+
+  Eigen::VectorXd takeStep(const Solver& solve) {
+    Eigen::VectorXd b(lambda_.size());
+    for (std::size_t i = 0; i < cones_.size(); ++i) b.segment<3>(3 * Eigen::Index(i)) = cones_[i].b();
+    const Eigen::VectorXd d = solve(b);
+    for (std::size_t i = 0; i < cones_.size(); ++i) cones_[i].setStep(d.segment<3>(3 * Eigen::Index(i)));
+    return d;
+  }
+
+  double longestStep() const {
+    double mine = 1, t = 1;
+    for (const PairCones& cones : cones_) mine = std::min(mine, cones.longestStep());
+    Teuchos::reduceAll(M_.vectors().comm(), Teuchos::REDUCE_MIN, mine, Teuchos::outArg(t));
+    return t;
+  }
+
   const ContactMatrix& M_;
   Eigen::VectorXd lambda_, s_;  // of the day
   std::vector<PairCones> cones_;
@@ -217,21 +279,22 @@ Eigen::VectorXd ConePath::follow(const Start& start, const Residual& residual, d
   return walk(point, sigma, start, residual, {target, k < 0 ? options_.pathSteps : options_.stagePatience});
 }
 
-// Short steps are followed by careful ones: they bring the pairs back to the middle of their cones.  Where these are short, too, a stage was no
-// good start for this model.
+// Where steps are short a stage was no good start for this model.  Where long ones leave much of the law it is |F s_T| that lags behind: from
+// there with its derivative, for which the matrix is not symmetric.
 Eigen::VectorXd ConePath::walk(Point point, Eigen::VectorXd sigma, const Start& start, const Residual& residual, const End& end) {
   Eigen::VectorXd best = sigma;
-  int creeping = 0;
-  double norm = residual(sigma), least = norm, part = options_.pathFar;
+  SlipTerm slip = start.slip;
+  int creeping = 0, lagging = 0;
+  double norm = residual(sigma), least = norm;
   for (int step = 0; step < options_.pathSteps && least > end.target; ++step) {
     stages_.push_back({point.cones(), point.s(), norm});
-    const double t = point.step(sigma, part, start.slip, options_.pathLinearTolerance);
-    norm = residual(sigma);
+    const double t = point.step(sigma, slip, options_), before = std::exchange(norm, residual(sigma));
     if (!std::isfinite(norm) || t < options_.pathShortest) break;
-    part = t > options_.pathLong ? options_.pathFar : options_.pathNear;
     if (norm < least) least = norm, best = sigma;
     creeping = t < options_.pathCreeps ? creeping + 1 : 0;
     if (creeping >= end.patience) break;
+    lagging = t > options_.pathLong && norm > options_.pathLags * before ? lagging + 1 : 0;
+    if (lagging >= options_.pathPatience) slip = SlipTerm::Derivative;
   }
   return best;
 }

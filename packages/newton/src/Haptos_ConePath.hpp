@@ -15,11 +15,15 @@ namespace Haptos {
 /// With the scaling matrix W of Nesterov and Todd, W y = l [alizadeh-goldfarb-2003], a step obeys  dl + W dy = rest.
 struct ConePoint {
   Eigen::Vector3d l, y, dl, dy, rest;
-  Eigen::Matrix3d W;
+  Eigen::Matrix3d W, root, inverseRoot;  ///< of W
 
-  /// Aims at l o y = target.
-  void aim(double target);
+  void scale();              ///< W at l, y
+  void aim(double target);   ///< at l o y = target
+  /// What the product dl o dy of the last step, which the linear equations leave out, adds to l o y is taken off.
+  void correct();
   double longestStep() const;  ///< largest t <= 1 for which l + t dl and y + t dy stay inside, less a little
+  Eigen::Vector2d coupling() const { return W.block<2, 1>(1, 0) / W(0, 0); }
+  Eigen::Matrix2d tangentialW() const { return W.bottomRightCorner<2, 2>() - coupling() * W.block<1, 2>(0, 1); }  ///< where l_0 stays
   void advance(double t) { l += t * dl, y += t * dy; }
 };
 
@@ -38,10 +42,12 @@ class PairCones {
   double product() const;  ///< sum of l . y
   int count() const { return int(hasNormal_) + int(hasBall_); }
 
-  /// \brief The pair's part of Newton's equation (M + K) d sigma = b at these forces and jumps, for the given l . y.
-  void linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, double target, SlipTerm slip);
+  /// \brief The pair's part of Newton's equation (M + K) d sigma = b at these forces and jumps, aiming at l . y = 0.
+  void linearize(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s, SlipTerm slip);
+  /// \brief b for another l . y, knowing the step to 0.
+  void aim(double target);
   const Eigen::Matrix3d& K() const { return K_; }
-  const Eigen::Vector3d& b() const { return b_; }
+  Eigen::Vector3d b() const;
 
   bool hasLawOf(const PairCones& other) const;  ///< and bound of friction
 
@@ -50,6 +56,7 @@ class PairCones {
   void advance(double t);
 
  private:
+  Eigen::Vector3d normalD() const { return hasBall_ ? Eigen::Vector3d(1, 0, 0) : D_; }
   void linearizeCoulomb(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s);
   void linearizeBall(const Eigen::Vector3d& lambda, const Eigen::Vector3d& s);
 
@@ -60,7 +67,7 @@ class PairCones {
   Eigen::Vector3d jumpMissing_;   // what the jumps ask of y, less y
   ConePoint normal_, ball_;
   Eigen::Matrix3d K_;
-  Eigen::Vector3d b_;
+  Eigen::Vector3d known_;         // the part of b that no aim changes
 };
 
 /// \brief The path of interior points of all pairs for  lambda + M sigma, s - sigma:  from no start at all, and where Newton's

@@ -25,7 +25,7 @@ ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& ke
     : M_(M), kernel_(kernel), blocks_(std::move(blocks)) {
   findRest();
   const Eigen::MatrixXd N = kernelOnRest();
-  Eigen::MatrixXd G = restMatrix();
+  Eigen::MatrixXd G = shape == Shape::Symmetric ? symmetricRestMatrix() : restMatrix();
   if (N.cols() > 0) G += M_.diagonal().mean() * timesOnRest(&ContactFactor::A, N) * N.transpose();
   factor_ = DenseFactor(std::move(G), shape == Shape::Symmetric ? DenseFactor::Kind::Cholesky : DenseFactor::Kind::Lu);
   prepareKernel(N * heldBy(timesOnRest(&ContactFactor::B, N)));
@@ -67,13 +67,27 @@ Eigen::MatrixXd ContactFactor::restMatrix() const {
   return block;
 }
 
+// (M + B)(rest, rest), A = 1; mostly that is all rows.
+Eigen::MatrixXd ContactFactor::symmetricRestMatrix() const {
+  Eigen::MatrixXd block = M_;
+  if (Eigen::Index(rest_.size()) < M_.rows()) block = M_(rest_, rest_);
+  std::vector<Eigen::Index> place(std::size_t(M_.rows()), -1);
+  for (std::size_t i = 0; i < rest_.size(); ++i) place[std::size_t(rest_[i])] = Eigen::Index(i);
+  for (const Eigen::Index row : rest_)
+    for (Eigen::Index k = 0; k < 3; ++k) {
+      const Eigen::Index i = place[std::size_t(row)], j = place[std::size_t(row - row % 3 + k)];
+      if (j >= 0) block(i, j) += B(row, k);
+    }
+  return block;
+}
+
 // (b - (A M + B) x)(rest); what a motion of the kernel leaves of M by round-off is left out, as bodies may have gone far.
 Eigen::VectorXd ContactFactor::residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const {
+  Eigen::VectorXd left = b(rest_);
+  if (x.isZero(0)) return left;  // a product is read from memory
   const Eigen::VectorXd bent = x - kernel_ * (kernel_.transpose() * x), Mx = M_ * bent;
-  Eigen::VectorXd left(Eigen::Index(rest_.size()));
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
-    left[i] = b[row];
     for (Eigen::Index k = 0; k < 3; ++k) left[i] -= A(row, k) * Mx[at + k] + B(row, k) * x[at + k];
   }
   return left;

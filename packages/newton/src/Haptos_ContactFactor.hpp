@@ -37,6 +37,7 @@ class ContactFactor {
   Eigen::VectorXd residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const;
   Eigen::VectorXd withRest(Eigen::VectorXd x, const Eigen::VectorXd& rest) const;
   Eigen::MatrixXd restMatrix() const;
+  Eigen::MatrixXd symmetricRestMatrix() const;
   Eigen::MatrixXd timesOnRest(double (ContactFactor::*block)(Eigen::Index, Eigen::Index) const, const Eigen::MatrixXd& X) const;
   Eigen::MatrixXd kernelOnRest() const;
   void prepareKernel(const Eigen::MatrixXd& held);

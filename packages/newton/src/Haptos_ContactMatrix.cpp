@@ -141,11 +141,8 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
 }
 
 // The kernel's images are K kernel, K = L L^T; T makes L^T kernel orthonormal.
-Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const {
-  const Blocks one(K.size(), Eigen::Matrix3d::Identity());
-  std::optional<Eigen::VectorXd> direct;
-  if (dense_.size() > 0 && (direct = solveDirectly(blocksOfAll(one, K), b, Shape::Symmetric))) return *direct;
-  const Blocks inverse = invertedBlocks(one, K, diagonal_);
+ContactEquations::Solution ContactMatrix::solveByCg(const Blocks& K, const Eigen::VectorXd& b) const {
+  const Blocks inverse = invertedBlocks(Blocks(K.size(), Eigen::Matrix3d::Identity()), K, diagonal_);
   ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
                              [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
                              options_.linearSteps};
@@ -155,9 +152,23 @@ Eigen::VectorXd ContactMatrix::solveSymmetric(const Blocks& K, const Eigen::Vect
     const Eigen::MatrixXd motions = kernel_ * orthonormalizer(vectors_.comm(), multiplyBlocks(roots, kernel_));
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
-  const auto solution = equations.solveByCg(vectors_, b);
-  if (!mayStay(solution)) direct = solveDirectly(blocksOfAll(one, K), b, Shape::Symmetric);
-  return direct.value_or(solution.x);
+  return equations.solveByCg(vectors_, b);
+}
+
+// Where Cholesky's method is no good for the matrix LU may be.
+Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) {
+  std::optional<ContactEquations::Solution> byCg;
+  if (M_.dense_.size() == 0) {
+    byCg = M_.solveByCg(K_, b);
+    if (M_.mayStay(*byCg)) return byCg->x;
+  }
+  const Eigen::MatrixXd blocks = M_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_);
+  const Eigen::VectorXd all = M_.onAllRanks(b);
+  if (!factor_) factor_ = std::make_unique<const ContactFactor>(M_.dense_, M_.wholeKernel_, blocks, ContactFactor::Shape::Symmetric);
+  const Eigen::VectorXd x = factor_->solve(all);
+  if (factor_->isSolution(x, all)) return x.segment(M_.first_, b.size());
+  const auto direct = M_.solveDirectly(blocks, b);
+  return direct ? *direct : byCg ? byCg->x : M_.solveByCg(K_, b).x;
 }
 
 // A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time: the dense matrix
@@ -188,22 +199,15 @@ Eigen::MatrixXd ContactMatrix::blocksOfAll(const Blocks& A, const Blocks& B) con
   return onAllRanks(mine);
 }
 
-// The same system on every rank, from the pairs of all; A = 1 where it is symmetric.  A singular one (motions that nothing holds) has no
-// solution but what a Krylov method comes to, or that of least norm where there is none.
-std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b, Shape shape) const {
+// The same system on every rank, from the pairs of all.  A singular one (motions that nothing holds) has no solution but what a Krylov method
+// comes to, or that of least norm where there is none.
+std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const {
   const Eigen::VectorXd all = onAllRanks(b);
-  auto factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, shape);
+  auto factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, ContactFactor::Shape::General);
   Eigen::VectorXd x = factor->solve(all);
-  if (shape == Shape::Symmetric && !factor->isSolution(x, all)) {
-    factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, Shape::General);
-    x = factor->solve(all);
-  }
-  if (!factor->isSolution(x, all)) {
-    if (kind_ == Kind::Products) return {};
-    x = factor->solveLeastSquares(all);
-  } else if (shape == Shape::General) {
-    last_ = std::move(factor);
-  }
+  if (factor->isSolution(x, all)) last_ = std::move(factor);
+  else if (kind_ == Kind::Products) return {};
+  else x = factor->solveLeastSquares(all);
   return x.segment(first_, b.size());
 }
 

@@ -39,8 +39,17 @@ class ContactMatrix {
 
   /// \brief (A M + B) d = b, to a relative tolerance.  Collective.
   Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
-  /// \brief (M + K) d = b, K symmetric and positive semidefinite.  Collective.
-  Eigen::VectorXd solveSymmetric(const Blocks& K, const Eigen::VectorXd& b) const;
+  /// \brief (M + K) d = b for one b after the other, K symmetric and positive semidefinite.
+  class Symmetric {
+   public:
+    Symmetric(const ContactMatrix& M, Blocks K) : M_(M), K_(std::move(K)) {}
+    Eigen::VectorXd solve(const Eigen::VectorXd& b);  ///< Collective
+
+   private:
+    const ContactMatrix& M_;
+    Blocks K_;
+    std::unique_ptr<const ContactFactor> factor_;  // where M is dense
+  };
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one; 0 where
   /// none is felt.  Dense only.
@@ -60,7 +69,8 @@ class ContactMatrix {
   using Shape = ContactFactor::Shape;
   Eigen::MatrixXd blocksOfAll(const Blocks& A, const Blocks& B) const;
   std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
-  std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b, Shape shape = Shape::General) const;
+  std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
+  ContactEquations::Solution solveByCg(const Blocks& K, const Eigen::VectorXd& b) const;
 
   RCP<const Operator> M_;
   std::function<Eigen::MatrixXd()> makeWhole_;

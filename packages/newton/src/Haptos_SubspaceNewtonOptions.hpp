@@ -133,8 +133,11 @@ struct SubspaceNewtonOptions {
     double pathFrom = 0.1;
     /// Its matrices add up to 1e6 times M to some rows: 1e-2 lost the path, 1e-4 the last digits.
     double pathLinearTolerance = 1e-6;
-    /// Of l . y that a step aims at: after a long step (of the way to the full one), after a short one.
-    double pathFar = 0.1, pathNear = 0.4, pathLong = 0.7;
+    double pathFar = 0.1;          ///< of l . y that a step aims at at least; more by the part of the way that leads to 0
+    /// So many long steps in a row that leave so much of the law: |F s_T| lags behind, which its derivative ends at twice the price of a step.
+    /// After one step of .7 as many steps of the dear kind as were saved, after none 23 steps that left .85 were seen.
+    int pathPatience = 3;
+    double pathLong = 0.5, pathLags = 0.6;
     double pathShortest = 1e-6;    ///< step that ends the path
     /// A path begins at the last stage of the one before whose jumps leave so much more of the law than they did there: 6 to 9 steps
     /// instead of 23.

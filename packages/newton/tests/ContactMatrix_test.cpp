@@ -46,7 +46,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
     const ContactMatrix matrix = contactMatrix(t, kind);
     const Eigen::VectorXd mine = t.vectors.contact(t.local(rhs));
     TEST_COMPARE(t.difference(asRows(matrix.solve(A, K, mine, 1e-13)), general), <, 1e-10);
-    TEST_COMPARE(t.difference(asRows(matrix.solveSymmetric(K, mine)), symmetric), <, 1e-10);
+    TEST_COMPARE(t.difference(asRows(ContactMatrix::Symmetric(matrix, K).solve(mine)), symmetric), <, 1e-10);
   }
   // Krylov methods that give up: the matrix is factored, if its rows are worth that many steps.
   for (const int rowsOfStep : {40, 1}) {
@@ -55,7 +55,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
     few.rowsOfStep = rowsOfStep;
     const Eigen::VectorXd mine = t.vectors.contact(t.local(rhs));
     const double errorOfGeneral = t.difference(asRows(contactMatrix(t, ContactMatrix::Kind::Products, few).solve(A, K, mine, 1e-13)), general);
-    const double errorOfSymmetric = t.difference(asRows(contactMatrix(t, ContactMatrix::Kind::Products, few).solveSymmetric(K, mine)), symmetric);
+    const double errorOfSymmetric = t.difference(asRows(ContactMatrix::Symmetric(contactMatrix(t, ContactMatrix::Kind::Products, few), K).solve(mine)), symmetric);
     TEST_EQUALITY(std::max(errorOfGeneral, errorOfSymmetric) < 1e-10, rowsOfStep == 40);
   }
 }
@@ -122,7 +122,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
     const auto& made = kind == ContactMatrix::Kind::Dense ? noisy : M;
     const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, made)), t.dual.pairs), contactPart(t.contactM().diagonal()), {}, kernel},
                                t.vectors, kind, options);
-    const Eigen::VectorXd symmetric = matrix.solveSymmetric(K, contactPart(b)), general = matrix.solve(one, K, contactPart(b), 1e-6);
+    const Eigen::VectorXd symmetric = ContactMatrix::Symmetric(matrix, K).solve(contactPart(b)), general = matrix.solve(one, K, contactPart(b), 1e-6);
     TEST_COMPARE(matrix.kernelPart(contactPart(P * expected)).norm(), <, 1e-10 * expected.norm());
     return Eigen::Vector2d(t.vectors.norm(symmetric - contactPart(expected)), t.vectors.norm(general - contactPart(expected))) / expected.norm();
   };
@@ -157,7 +157,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
     return y;
   };
   const DenseVector load = M.topLeftCorner(n, n) * bent + resisted(bent);
-  for (const Eigen::VectorXd& y : {matrix.solveSymmetric(Kfree, contactPart(load)), matrix.solve(one, Kfree, contactPart(load), 1e-6)}) {
+  for (const Eigen::VectorXd& y : {ContactMatrix::Symmetric(matrix, Kfree).solve(contactPart(load)), matrix.solve(one, Kfree, contactPart(load), 1e-6)}) {
     TEST_COMPARE(t.vectors.norm(matrix.multiply(y - contactPart(bent))), <, 1e-6 * load.norm());
     TEST_COMPARE(t.vectors.norm(y), <, 10 * bent.norm());
   }
@@ -202,10 +202,10 @@ TEUCHOS_UNIT_TEST(ContactMatrix, IsMadeWhereProductsHaveCostAsMuch) {
     options.rowsOfStep = rowsOfStep;
     const auto M = rcp(new CountedOperator(contactBlockOf(t.dual.M, t.dual.pairs)));
     const ContactMatrix matrix({M, Eigen::VectorXd::Ones(b.size())}, t.vectors, ContactMatrix::Kind::Products, options);
-    const Eigen::VectorXd first = matrix.solveSymmetric(K, b);
+    const Eigen::VectorXd first = ContactMatrix::Symmetric(matrix, K).solve(b);
     long before = 0, last = M->applications();
     for (int k = 0; k < 3 * kGroups; ++k) {
-      const Eigen::VectorXd x = matrix.solveSymmetric(K, b);
+      const Eigen::VectorXd x = ContactMatrix::Symmetric(matrix, K).solve(b);
       TEST_COMPARE(t.vectors.norm(x - first), <=, 1e-5 * t.vectors.norm(first));
       before = std::exchange(last, M->applications());
     }

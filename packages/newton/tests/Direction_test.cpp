@@ -126,6 +126,34 @@ TEUCHOS_UNIT_TEST(CondensedDirection, IsBalancedByAnyM) {
   }
 }
 
+// W l-wards, its root, and what two steps promise: in the coordinates x = root y = root^-1 l the first one to x o x = 0, the second one to
+// x o x = target e but for the product of the first one.
+TEUCHOS_UNIT_TEST(ConePoint, ScalesAndCorrects) {
+  const auto product = [](const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    return Eigen::Vector3d(a.dot(b), a[0] * b[1] + b[0] * a[1], a[0] * b[2] + b[0] * a[2]);
+  };
+  for (const double length : {1.0, 1e-7}) {
+    ConePoint p;
+    p.l << 2.0, 1.5, -0.9;
+    p.y = length * Eigen::Vector3d(0.7, -0.2, 0.6);
+    p.scale();
+    TEST_COMPARE((p.W * p.y - p.l).norm(), <=, 1e-13 * p.l.norm());
+    TEST_COMPARE((p.root * p.root - p.W).norm(), <=, 1e-13 * p.W.norm());
+    TEST_COMPARE((p.root * p.inverseRoot - Eigen::Matrix3d::Identity()).norm(), <=, 1e-13);
+    const Eigen::Vector3d x = p.root * p.y;
+    const auto left = [&] { return product(x, p.inverseRoot * p.rest); };  // of x o (root^-1 dl + root dy)
+    p.aim(0);
+    TEST_COMPARE((left() + product(x, x)).norm(), <=, 1e-13 * x.squaredNorm());
+    p.dy = length * Eigen::Vector3d(0.1, 0.3, -0.2);
+    p.dl = p.rest - p.W * p.dy;
+    const double target = 0.3 * p.l.dot(p.y);
+    p.aim(target);
+    p.correct();
+    const Eigen::Vector3d expected = target * Eigen::Vector3d(1, 0, 0) - product(x, x) - product(p.inverseRoot * p.dl, p.root * p.dy);
+    TEST_COMPARE((left() - expected).norm(), <=, 1e-12 * x.squaredNorm());
+  }
+}
+
 // From no start, at axis ratios that Newton's method fears, with coefficients 0 and Tresca's law: all law is obeyed at the end.
 TEUCHOS_UNIT_TEST(ConePath, EndsWhereTheLawHolds) {
   struct Case {
@@ -154,27 +182,30 @@ TEUCHOS_UNIT_TEST(ConePath, EndsWhereTheLawHolds) {
 // Forces that differ by 1e-4 have a path that is the same but for its end; another law has another one.
 TEUCHOS_UNIT_TEST(ConePath, BeginsWhereTheLastOneIsStillGood) {
   const Scene t(false);
-  const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Products);
+  const auto M = rcp(new CountedOperator(t.dual.contactM));
+  SubspaceNewtonOptions::Condensed options;
+  options.rowsOfStep = 0;  // products to the end
+  const ContactMatrix matrix({M, t.vectors.contact(t.local(t.setup.d.M.diagonal()))}, t.vectors, ContactMatrix::Kind::Products, options);
   std::vector<PairLaw> pairs = t.dual.pairs, other = pairs;
   for (PairLaw& pair : pairs) pair.coefficients = {0.5, 5e-3};
   for (PairLaw& pair : other) pair.coefficients = {5e-3, 0.5};
   const Eigen::VectorXd lambda = t.vectors.contact(t.myLambda), s = t.vectors.contact(t.myS);
   ConePath path({});
   const auto steps = [&](const std::vector<PairLaw>& law, const Eigen::VectorXd& forces, bool fromStages) {
-    int calls = 0;
+    const long before = M->applications();
     const auto residual = [&](const Eigen::VectorXd& sigma) {
       return t.vectors.norm(linearizeLaw(law, forces + matrix.multiply(sigma), s - sigma, t.r).phi);
     };
-    const auto counted = [&](const Eigen::VectorXd& sigma) { return ++calls, residual(sigma); };
     const double target = 1e-5 * residual(Eigen::VectorXd::Zero(s.size()));
-    const Eigen::VectorXd sigma = path.follow({law, matrix, forces, s, SlipTerm::Value}, counted, target, fromStages);
+    const Eigen::VectorXd sigma = path.follow({law, matrix, forces, s, SlipTerm::Value}, residual, target, fromStages);
+    const long products = M->applications() - before;
     TEST_COMPARE(residual(sigma), <=, target);
-    return calls;
+    return products;
   };
   TEST_ASSERT(!path.hasStages());
   const int cold = steps(pairs, lambda, true), near = steps(pairs, (1 + 1e-4) * lambda, true), again = steps(pairs, (1 + 1e-4) * lambda, false);
   const int otherLaw = steps(other, lambda, true), otherCold = steps(other, lambda, false);
-  out << "evaluations of the law: " << cold << ", from stages " << near << ", without them " << again << ", another law " << otherLaw << "\n";
+  out << "products with M: " << cold << ", from stages " << near << ", without them " << again << ", another law " << otherLaw << "\n";
   TEST_ASSERT(path.hasStages());
   TEST_COMPARE(2 * near, <=, again);
   TEST_EQUALITY(otherLaw, otherCold);
