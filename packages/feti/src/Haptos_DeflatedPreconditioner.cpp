@@ -58,13 +58,11 @@ class DeflatedContactBlock final : public Operator {
 
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
     block_.apply(x, y, mode, alpha, beta);
-    for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-      const auto in = x.getData(v);
-      const Eigen::VectorXd mine = Y_.transpose() * Eigen::Map<const Eigen::VectorXd>(in.getRawPtr(), in.size());
-      const auto g = sumOfAll(*getRangeMap()->getComm(), mine);
-      const auto out = y.getDataNonConst(v);
-      Eigen::Map<Eigen::VectorXd>(out.getRawPtr(), out.size()) -= alpha * (YK_ * g);
-    }
+    const auto values = x.get1dView();
+    const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> X(values.getRawPtr(), Y_.rows(), Eigen::Index(x.getNumVectors()),
+                                                                      Eigen::OuterStride<>(Eigen::Index(x.getStride())));
+    const auto g = sumOfAll(*getRangeMap()->getComm(), Eigen::MatrixXd(Y_.transpose() * X));
+    columnsOf(y) -= alpha * (YK_ * g);
   }
 
  private:
