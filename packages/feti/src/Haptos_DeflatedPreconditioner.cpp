@@ -10,6 +10,7 @@
 
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_LocalSystems.hpp"
+#include "Haptos_NeighbourStiffness.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "Haptos_SurfaceOperators.hpp"
@@ -94,24 +95,20 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender, int l
   const LocalSystems& systems = base_->systems();
   motions_.resize(std::size_t(systems.size()));
   L_.resize(std::size_t(systems.numClasses()));
-  std::vector<SpectralModes> spectral(motions_.size());
-  const std::vector<CopyWeights> weights = copyWeights(*base_);
+  std::vector<Eigen::MatrixXd> S(L_.size());
   for (int c = 0; c < systems.numClasses(); ++c) {
     const auto& members = systems.members()[std::size_t(c)];
     const Eigen::MatrixXd rigid = rigidMotions(members.front());
     for (int i : members) motions_[std::size_t(i)] = rigid;
     const bool isSlender = slender[std::size_t(members.front())];
     if (!isSlender && rigid.rows() > largestSpectrum) continue;
-    const Eigen::MatrixXd S = denseOf(c);
-    if (isSlender) {
-      SoftSpectrum soft = softSpectrum(S, rigid);
-      L_[std::size_t(c)] = std::move(soft.L);
-      for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
-    } else {
-      findSpectralModes(S, rigid, members, weights, spectral);
-    }
+    S[std::size_t(c)] = denseOf(c);
+    if (!isSlender) continue;
+    SoftSpectrum soft = softSpectrum(S[std::size_t(c)], rigid);
+    L_[std::size_t(c)] = std::move(soft.L);
+    for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
   }
-  takeSpectralModes(spectral);
+  takeSpectralModes(findSpectralModes(S));
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
@@ -128,19 +125,30 @@ Eigen::MatrixXd DeflatedPreconditioner::denseOf(int congruenceClass) const {
   return base_->surface().block(congruenceClass, all);
 }
 
-// Congruent subdomains with the same neighbours have the same modes: weights are compared by their products with one vector.
-void DeflatedPreconditioner::findSpectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const std::vector<int>& members,
-                                               const std::vector<CopyWeights>& weights, std::vector<SpectralModes>& spectral) const {
+// [local subdomains] of those that are not slender.  Congruent ones among the same neighbours have the same modes: energies are compared by their
+// products with one vector.
+std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::vector<Eigen::MatrixXd>& S) const {
   constexpr double kAlike = 1e-10;
-  const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S.rows(), 1, 2);
-  std::vector<std::pair<Eigen::VectorXd, int>> known;
-  for (int i : members) {
-    const CopyWeights& D = weights[std::size_t(i)];
-    const Eigen::VectorXd print = D * (D.transpose() * probe);
-    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
-    spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S, rigid, D, kStiffer);
-    if (same == known.end()) known.emplace_back(print, i);
+  const LocalSystems& systems = base_->systems();
+  std::vector<SpectralModes> spectral(motions_.size());
+  const auto isWanted = [&](std::size_t c) { return S[c].size() > 0 && L_[c].size() == 0; };
+  bool any = false;
+  for (std::size_t c = 0; c < S.size(); ++c) any = any || isWanted(c);
+  if (!anyOfAll(*getRangeMap()->getComm(), any)) return spectral;
+  const NeighbourStiffness neighbours(*base_, S);
+  for (std::size_t c = 0; c < S.size(); ++c) {
+    if (!isWanted(c)) continue;
+    const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S[c].rows(), 1, 2);
+    std::vector<std::pair<Eigen::VectorXd, int>> known;
+    for (int i : systems.members()[c]) {
+      const Eigen::MatrixXd energy = neighbours.energy(i);
+      const Eigen::VectorXd print = energy * probe;
+      const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
+      spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S[c], energy, rigidMotions(i), kStiffer);
+      if (same == known.end()) known.emplace_back(print, i);
+    }
   }
+  return spectral;
 }
 
 // Where there are too many, those that matter least are left out, by one bound for all ranks.

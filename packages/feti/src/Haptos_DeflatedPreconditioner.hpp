@@ -66,8 +66,7 @@ class DeflatedPreconditioner final : public Operator {
   void findMotions(const std::vector<char>& slender, int largestSpectrum);
   Eigen::MatrixXd rigidMotions(int subdomain) const;
   Eigen::MatrixXd denseOf(int congruenceClass) const;
-  void findSpectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const std::vector<int>& members,
-                         const std::vector<CopyWeights>& weights, std::vector<SpectralModes>& spectral) const;
+  std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S) const;
   void takeSpectralModes(const std::vector<SpectralModes>& spectral);
   void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
   void toHalf(MultiVector& t) const;

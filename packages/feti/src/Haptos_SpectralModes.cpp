@@ -40,6 +40,8 @@ void forEachGroup(const DualPreconditioner& M, int prime, Take&& take) {
 
 }  // namespace
 
+int columnOfCopies(int subdomain) { return 1 + subdomain % kPrime; }
+
 std::vector<CopyWeights> copyWeights(const DualPreconditioner& M) {
   const auto& offsets = M.jump().primalOffsets();
   const auto groupOf = [&](std::size_t i, int prime) { return (M.jump().firstSubdomain() + int(i)) % prime; };
@@ -77,13 +79,11 @@ std::vector<CopyWeights> copyWeights(const DualPreconditioner& M) {
   return weights;
 }
 
-// sum_j D_j S D_j = S o (D D^T).  In the scale D = diag(S), as S w = mu D w has it; rigid motions, whose energy is 0, are moved out of the way by
-// what is added to S and taken from the other side.
-SpectralModes spectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, const CopyWeights& weights, double least) {
+// In the scale D = diag(S), as S w = mu D w has it; rigid motions, whose energy is 0, are moved out of the way by what is added to S and
+// taken from the other side.
+SpectralModes spectralModes(const Eigen::MatrixXd& S, const Eigen::MatrixXd& energy, const Eigen::MatrixXd& rigid, double least) {
   const Eigen::VectorXd root = S.diagonal().cwiseSqrt(), inverse = root.cwiseInverse();
-  Eigen::MatrixXd B = inverse.asDiagonal() * S * inverse.asDiagonal();
-  const Eigen::MatrixXd products = weights * Eigen::MatrixXd(weights.transpose());
-  Eigen::MatrixXd A = B.cwiseProduct(products);
+  Eigen::MatrixXd B = inverse.asDiagonal() * S * inverse.asDiagonal(), A = inverse.asDiagonal() * energy * inverse.asDiagonal();
   const Eigen::MatrixXd scaledRigid = root.asDiagonal() * rigid, Q = orthonormalBasis(scaledRigid);
   const Eigen::MatrixXd AQ = A * Q, QAQ = Q.transpose() * AQ, half = AQ - 0.5 * Q * QAQ;
   A -= Q * half.transpose() + half * Q.transpose();

@@ -14,10 +14,10 @@ struct HeldBeams {
   Feti feti;
   RCP<DualPreconditioner> M;
 
-  explicit HeldBeams(double height) {
+  explicit HeldBeams(double height, double distortion = 0) {
     SceneOptions options = heldScene(4);
     options.lower = options.upper = {4, 2, 2};
-    options.distortion = 0;
+    options.distortion = distortion;
     options.height = height;
     scene = makeScene(options);
     feti = makeFeti(Tpetra::getDefaultComm(), scene);
