@@ -209,7 +209,7 @@ class ConePath::Point {
   }
 
   // One step of Newton's method, the length of it that was taken: a first one to l . y = 0, which tells how far to go and what the linear
-  // equations leave out (predictor and corrector of Mehrotra), for one matrix.
+  // equations leave out (predictor and corrector [mehrotra-1992]), for one matrix.
   double step(Eigen::VectorXd& sigma, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options) {
     const auto solve = solver(slip, options.pathLinearTolerance);
     takeStep(solve);
