@@ -96,19 +96,25 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender, int l
   motions_.resize(std::size_t(systems.size()));
   L_.resize(std::size_t(systems.numClasses()));
   std::vector<Eigen::MatrixXd> S(L_.size());
+  const auto isSlender = [&](int c) { return slender[std::size_t(systems.members()[std::size_t(c)].front())] != 0; };
+  const auto hasSpectrum = [&](int c) { return !isSlender(c) && int(base_->surface().boundary(c).size()) <= largestSpectrum; };
+  bool mine = false;
+  for (int c = 0; c < systems.numClasses(); ++c) mine = mine || hasSpectrum(c);
+  const bool any = anyOfAll(*getRangeMap()->getComm(), mine);
   for (int c = 0; c < systems.numClasses(); ++c) {
     const auto& members = systems.members()[std::size_t(c)];
     const Eigen::MatrixXd rigid = rigidMotions(members.front());
     for (int i : members) motions_[std::size_t(i)] = rigid;
-    const bool isSlender = slender[std::size_t(members.front())];
-    if (!isSlender && rigid.rows() > largestSpectrum) continue;
-    S[std::size_t(c)] = denseOf(c);
-    if (!isSlender) continue;
-    SoftSpectrum soft = softSpectrum(S[std::size_t(c)], rigid);
-    L_[std::size_t(c)] = std::move(soft.L);
-    for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
+    if (!isSlender(c) && !hasSpectrum(c)) continue;
+    Eigen::MatrixXd Sc = denseOf(c);
+    if (isSlender(c)) {
+      SoftSpectrum soft = softSpectrum(Sc, rigid);
+      L_[std::size_t(c)] = std::move(soft.L);
+      for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
+    }
+    if (any) S[std::size_t(c)] = std::move(Sc);
   }
-  takeSpectralModes(findSpectralModes(S));
+  if (any) takeSpectralModes(findSpectralModes(S));
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
@@ -131,13 +137,9 @@ std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::
   constexpr double kAlike = 1e-10;
   const LocalSystems& systems = base_->systems();
   std::vector<SpectralModes> spectral(motions_.size());
-  const auto isWanted = [&](std::size_t c) { return S[c].size() > 0 && L_[c].size() == 0; };
-  bool any = false;
-  for (std::size_t c = 0; c < S.size(); ++c) any = any || isWanted(c);
-  if (!anyOfAll(*getRangeMap()->getComm(), any)) return spectral;
   const NeighbourStiffness neighbours(*base_, S);
   for (std::size_t c = 0; c < S.size(); ++c) {
-    if (!isWanted(c)) continue;
+    if (S[c].size() == 0 || L_[c].size() > 0) continue;
     const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S[c].rows(), 1, 2);
     std::vector<std::pair<Eigen::VectorXd, int>> known;
     for (int i : systems.members()[c]) {

@@ -27,7 +27,7 @@ struct Holder {
 
 const std::vector<int>& boundaryOf(const DualPreconditioner& M, int local) { return M.surface().boundary(M.systems()[local].congruenceClass); }
 
-// Gluing rows are the first of all that touch a subdomain's unknown; rows of others tell their kind by their owners.
+// [overlap rows]; of rows of others their owners know the kind.  Collective.
 std::vector<char> gluingRows(const MultiplierMap& multipliers) {
   Eigen::VectorXd own(Eigen::Index(multipliers.kinds().size()));
   for (Eigen::Index row = 0; row < own.size(); ++row) own[row] = multipliers.kinds()[std::size_t(row)] == RowKind::Gluing;
@@ -51,7 +51,7 @@ std::vector<Copy> copiesOf(const DualPreconditioner& M) {
   std::vector<Copy> copies;
   for (const auto& [unknown, row] : lastRows) {
     const auto& boundary = boundaryOf(M, unknown.first - M.jump().firstSubdomain());
-    const auto place = std::find(boundary.begin(), boundary.end(), unknown.second) - boundary.begin();
+    const auto place = std::lower_bound(boundary.begin(), boundary.end(), unknown.second) - boundary.begin();
     copies.push_back({row, unknown.first, int(place)});
   }
   return copies;
