@@ -162,12 +162,12 @@ Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) {
     byCg = M_.solveByCg(K_, b);
     if (M_.mayStay(*byCg)) return byCg->x;
   }
-  const Eigen::MatrixXd blocks = M_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_);
+  const auto blocks = [&] { return M_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_); };  // collective: a factor has them
   const Eigen::VectorXd all = M_.onAllRanks(b);
-  if (!factor_) factor_ = std::make_unique<const ContactFactor>(M_.dense_, M_.wholeKernel_, blocks, ContactFactor::Shape::Symmetric);
+  if (!factor_) factor_ = std::make_unique<const ContactFactor>(M_.dense_, M_.wholeKernel_, blocks(), ContactFactor::Shape::Symmetric);
   const Eigen::VectorXd x = factor_->solve(all);
   if (factor_->isSolution(x, all)) return x.segment(M_.first_, b.size());
-  const auto direct = M_.solveDirectly(blocks, b);
+  const auto direct = M_.solveDirectly(blocks(), b);
   return direct ? *direct : byCg ? byCg->x : M_.solveByCg(K_, b).x;
 }
 
