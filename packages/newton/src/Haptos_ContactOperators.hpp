@@ -39,6 +39,7 @@ struct ContactOperators {
   /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
   std::function<Deflated()> makeDeflatedM;
   bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
+  bool mayNeedDeflatedM = false;      ///< it is likely to be: a slow way is not followed to its end
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows
   RCP<const CoarseProblem> GGT;       ///< G G^T, with holds where it is singular

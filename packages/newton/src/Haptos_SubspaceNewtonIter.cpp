@@ -131,6 +131,14 @@ bool SubspaceNewtonIter::isNearlyThere(const NewtonLimits& limits) const {
   return std::log(window_[n - 1] / std::max(limits.tolerance * limits.reference, 1e-300)) < options_.fewSteps * perStep;
 }
 
+// At its rate the whole way would take too many steps, where a better M is likely to make it shorter.  Looked at now and then: what is accepted
+// goes up and down.
+bool SubspaceNewtonIter::isSlow() const {
+  const int n = int(measures_.size()) - 1;
+  if (!dual_.mayNeedDeflatedM || !directions_.mayCondense() || n <= 0 || n % options_.slowLook != 0) return false;
+  return n * std::log(measures_.front()) > options_.slowSteps * std::log(measures_.front() / measures_.back());
+}
+
 bool SubspaceNewtonIter::hasMorePenalties() const { return penaltyTried_ + 1 < int(options_.penalties.size()); }
 
 void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
@@ -178,15 +186,17 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
   roundNorm_ = std::numeric_limits<double>::infinity();
   r_ = baseR_ * options_.penalties[0];
   window_.clear();
+  measures_.clear();
   linearize(state);
   bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
   halvedAt_ = 0;
 }
 
 // By the caller's test, or by the residual relative to the jumps of the start.
-bool SubspaceNewtonIter::isAccepted(const NewtonState& state, const NewtonLimits& limits) const {
+double SubspaceNewtonIter::measureOf(const NewtonState& state, const NewtonLimits& limits) const {
   const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
-  return limits.accept ? limits.accept(state.lambda, state.s, relative) : relative <= limits.tolerance;
+  if (limits.measure) return limits.measure(state.lambda, state.s, relative);
+  return relative == 0 ? 0 : relative / limits.tolerance;
 }
 
 void SubspaceNewtonIter::noteHalving() {
@@ -197,7 +207,7 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  return hasStalled(limits, 1) || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
+  return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
 }
 
 // One step: a direction, or directions for the frozen linearisation, and Gauss-Newton in what there is then.
@@ -218,7 +228,8 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
   NewtonStop stop = NewtonStop::Limit;
   for (;; ++steps_) {
     window_.push_back(norm_);
-    const bool done = isAccepted(state, limits);
+    measures_.push_back(measureOf(state, limits));
+    const bool done = measures_.back() <= 1;
     if (done || norm_ < bestNorm_) best = state;  // what is given back where it ends without success
     bestNorm_ = std::min(bestNorm_, norm_);
     if (done) stop = NewtonStop::Converged;

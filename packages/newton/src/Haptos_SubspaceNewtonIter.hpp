@@ -18,8 +18,9 @@ struct NewtonLimits {
   double reference = 1;      ///< [length]
   int stall = 0;             ///< F applications without halving the residual; 0: never
   long maxApplications = 0;  ///< of F in this call
-  /// Asked at every step with lambda, s and the relative residual; replaces `tolerance` where it is set.
-  std::function<bool(const Eigen::VectorXd&, const Eigen::VectorXd&, double)> accept;
+  /// Asked at every step with lambda, s and the relative residual: what is accepted in parts of what it may be, so 1 or less ends the way.
+  /// Replaces `tolerance` where it is set.
+  std::function<double(const Eigen::VectorXd&, const Eigen::VectorXd&, double)> measure;
 };
 
 /// \brief Nonlinear subspace Newton: one F and one M a step, everything recycled.
@@ -62,11 +63,12 @@ class SubspaceNewtonIter {
   void linearPass(const NewtonState& state, const NewtonLimits& limits, double target);
   void solveInSubspace(NewtonState& state);
   void noteHalving();
-  bool isAccepted(const NewtonState& state, const NewtonLimits& limits) const;
+  double measureOf(const NewtonState& state, const NewtonLimits& limits) const;
   bool isStuck(const NewtonLimits& limits) const;
   bool hasStalled(const NewtonLimits& limits, int patience) const;
   void chooseMode(double before);
   bool isNearlyThere(const NewtonLimits& limits) const;
+  bool isSlow() const;
   bool hasMorePenalties() const;
   bool isPoor() const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
@@ -85,6 +87,7 @@ class SubspaceNewtonIter {
   LawLinearization law_;
   NewtonState origin_;
   Eigen::VectorXd step_;  // coefficients of a whole step that the last direction was made for; empty if there is none
+  std::vector<double> measures_;  // of this level, at every F
   double norm_ = 0, bestNorm_ = 0, halved_ = 0, roundNorm_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false, isRoundForNothing_ = false;

@@ -88,6 +88,8 @@ struct SubspaceNewtonOptions {
     double idle = 0.9;             ///< a linearisation that leaves more adds a direction the next time: no endless loop without F
     /// A poor way that ends after so many steps at its rate is not left for the condensed problem, which needs about as many.
     double fewSteps = 15;
+    /// Where M is likely to be poor, a way of more steps than this, by what so many have brought, is left as well (decisions/042).
+    int slowLook = 20, slowSteps = 40;
   };
 
   /// \brief Directions that the active coarse projection balances (`BalancedDirection`).

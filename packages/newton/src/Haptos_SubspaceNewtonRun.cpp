@@ -79,12 +79,12 @@ void SubspaceNewtonRun::liftRest() {
 }
 
 // At the true coefficients by the status test, which may measure by other norms; before, by the residual.
-bool SubspaceNewtonRun::accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
+double SubspaceNewtonRun::measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
   const auto l = vectors_.toVector(lambda);
   if (level.isFinal && hooks_.statusTest) residual = hooks_.statusTest(*l, *vectors_.toVector(s));
   if (level.isFinal) residual_ = residual;
   if (hooks_.observer) hooks_.observer({dual_.F->applications(), residual, level.isFinal}, *l);
-  return residual <= (level.isFinal ? options_.tolerance : level.tolerance);
+  return residual == 0 ? 0 : residual / (level.isFinal ? options_.tolerance : level.tolerance);
 }
 
 // One law, from the state as it is.
@@ -94,8 +94,8 @@ NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Le
   limits.reference = reference_;
   limits.stall = level.patience;
   limits.maxApplications = left();
-  limits.accept = [&](const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double relative) {
-    return accept(lambda, s, relative, level);
+  limits.measure = [&](const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double relative) {
+    return measure(lambda, s, relative, level);
   };
   return iteration_.iterate(law, state_, limits, !pairsFirst);
 }

@@ -54,7 +54,7 @@ class SubspaceNewtonRun {
   void liftRest();
   void refreshJumps();
   void takeJumps(Eigen::VectorXd s);
-  bool accept(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
+  double measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
   // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);

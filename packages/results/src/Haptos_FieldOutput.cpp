@@ -41,7 +41,8 @@ void addVector(ResultFields& fields, const std::string& name, const Values& valu
 }
 
 // Contact quantities on the nodes of a range, the opposite force on the primary side.  A multiplier's own node shows what its pair
-// has; any other shows the mean pressure of the pairs that use it, and slip and axis of the one that uses it most.
+// has; any other shows the mean pressure of the pairs that use it, and slip and axis of the one that uses it most.  Normal forces
+// of either side have the sum of all multipliers: primary nodes show their (signed) shares, secondary ones without a multiplier 0.
 class ContactFields {
  public:
   explicit ContactFields(std::size_t n)
@@ -61,6 +62,8 @@ class ContactFields {
     for (const auto& item : items) {
       const std::size_t i = std::size_t(item.node - first);
       addForce(i, item);
+      if (item.isOwn()) normalForce[i] += item.pair.normalForce;
+      else if (!item.isSecondary) normalForce[i] -= item.factor * item.pair.normalForce;
       if (item.isOwn()) describe(i, 1.0, item.pair);
       else if (!item.isSecondary || !isOwn[i]) describe(i, std::abs(item.factor), item.pair);
     }
@@ -78,7 +81,6 @@ class ContactFields {
     // Mean pressure = sum of forces over sum of areas, interface by interface: a node in two interfaces has the sum of their pressures.
     share[0] += weight * pair.normalForce;
     share[1] += weight * pair.area;
-    normalForce[i] += weight * pair.normalForce;
     // Of several pairs the closest counts, and the state that holds most.
     gap[i] = status[i] == 0 ? pair.gap : std::min(gap[i], pair.gap);
     status[i] = std::max(status[i], double(int(pair.status)));

@@ -137,16 +137,17 @@ TEUCHOS_UNIT_TEST(ResultFields, NamesAreThoseOfTheManual) {
 }
 
 // Two pairs with lists: forces go by the weights, pressures are force by area of the pairs that use a node, or of its own pair.
+// Node 4 is on the secondary side and has no multiplier; the weights of a quadratic face may be below 0.
 TEUCHOS_UNIT_TEST(ResultFields, ListsShareForceAndPressure) {
   const auto comm = Tpetra::getDefaultComm();
-  const EvenRanges nodes{4, comm->getSize()};
+  const EvenRanges nodes{6, comm->getSize()};
   std::vector<PairResult> pairs(2);
   pairs[0].secondaryNode = 3;
-  pairs[0].secondary = {{3, 0.75}, {2, 0.25}};
+  pairs[0].secondary = {{3, 0.75}, {2, 0.35}, {4, -0.1}};
   pairs[0].primary = {{0, 0.4}, {1, 0.6}};
   pairs[1].secondaryNode = 2;
   pairs[1].secondary = {{2, 1.0}};
-  pairs[1].primary = {{1, 1.0}};
+  pairs[1].primary = {{1, 1.25}, {5, -0.25}};
   const double force[] = {10, 6}, area[] = {2, 3};
   for (std::size_t i = 0; i < 2; ++i) {
     pairs[i].normalForce = force[i];
@@ -158,15 +159,15 @@ TEUCHOS_UNIT_TEST(ResultFields, ListsShareForceAndPressure) {
   if (comm->getRank() != 0) pairs.clear();
   const std::vector<double> displacement(3 * std::size_t(nodes.count(comm->getRank())), 0.0);
   ResultFields fields = makeResultFields(*comm, nodes, {displacement, pairs, {}, 1e-7, 42});
-  const auto check = [&](const std::string& name, const std::array<double, 4>& expected) {
+  const auto check = [&](const std::string& name, const std::array<double, 6>& expected) {
     for (auto& field : fields.nodal) {
       if (field.first != name) continue;
       const auto values = wholeOnRoot(*comm, field.second);
       for (std::size_t i = 0; i < values.size(); ++i) TEST_ASSERT(std::abs(values[i] - expected[i]) < 1e-14);
     }
   };
-  check("contact_force_z", {4, 12, -8.5, -7.5});
-  check("contact_normal_force", {4, 12, 6, 10});  // a multiplier on its own node, as the pressure
-  check("contact_pressure", {5, 12 / 4.2, 2, 5});
-  check("contact_slip_x", {1, 2, 2, 1});
+  check("contact_force_z", {4, 13.5, -9.5, -7.5, 1, -1.5});
+  check("contact_normal_force", {4, 13.5, 6, 10, 0, -1.5});  // a multiplier on its own node, as the pressure; 16 on either side
+  check("contact_pressure", {5, 13.5 / 4.95, 2, 5, 5, 2});
+  check("contact_slip_x", {1, 2, 2, 1, 1, 2});
 }

@@ -33,6 +33,7 @@ ContactOperators contactOperators(const FetiSystem& system, std::function<Contac
   o.contactRowsOfM = Teuchos::rcp(new ContactRows(system.preconditioner(), block));
   o.makeDeflatedM = makeDeflatedM;
   o.needsDeflatedM = system.needsDeflation();
+  o.mayNeedDeflatedM = system.model().isHard;
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
   o.GGT = dual.GGT;
