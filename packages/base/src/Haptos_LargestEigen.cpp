@@ -72,7 +72,11 @@ class BlockKrylov {
   }
 
   const Eigen::VectorXd& values() const { return values_; }
-  Eigen::MatrixXd vectors() const { return L_.triangularView<Eigen::Lower>().transpose().solve(V_.leftCols(coefficients_.rows()) * coefficients_); }
+  Eigen::MatrixXd vectors() const {
+    Eigen::MatrixXd vectors = V_.leftCols(coefficients_.rows()) * coefficients_;
+    if (vectors.cols() > 0) L_.triangularView<Eigen::Lower>().transpose().solveInPlace(vectors);  // of none Eigen would take the address of the first
+    return vectors;
+  }
 
  private:
   Eigen::MatrixXd multiply(Eigen::MatrixXd X) const {
