@@ -92,9 +92,9 @@ Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 /// \brief By partial pivoting; NaN where A is singular.
 Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B);
 
-/// \brief The diagonal of A^+, A symmetric and positive semidefinite, eigenvalues up to `least` of the largest being none.
+/// \brief A^+, A symmetric and positive semidefinite, eigenvalues up to `least` of the largest being none.
 /// \param kernel orthonormal, A does not feel it.  Where it is all of the kernel a factor is enough, else all eigenvectors are made.
-Eigen::VectorXd diagonalOfPseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least);
+Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least);
 
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off

@@ -83,25 +83,26 @@ double largestRowSum(const Eigen::MatrixXd& A) {
   return all.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
-Eigen::VectorXd diagonalByEigenvectors(const Eigen::MatrixXd& A, double least) {
+Eigen::MatrixXd pseudoInverseByEigenvectors(const Eigen::MatrixXd& A, double least) {
   const SymmetricEigen eigen(A);
-  const Eigen::Index n = A.rows();
-  Eigen::VectorXd diagonal = Eigen::VectorXd::Zero(n);
-  for (Eigen::Index k = 0; k < n; ++k)
-    if (eigen.values[k] > least * eigen.values[n - 1]) diagonal += eigen.vectors.col(k).cwiseAbs2() / eigen.values[k];
-  return diagonal;
+  const auto isFelt = eigen.values.array() > least * eigen.values[A.rows() - 1];
+  const Eigen::VectorXd roots = isFelt.select(eigen.values.array().abs().rsqrt(), 0.0);
+  const Eigen::MatrixXd V = eigen.vectors * roots.asDiagonal();
+  return V * V.transpose();
 }
 
 }  // namespace
 
 // (A + w N N^T)^-1 = A^+ + N N^T / w, if no eigenvalue but those of the kernel N is as small as round-off: bounds of the norms of A and of the
 // inverse tell.
-Eigen::VectorXd diagonalOfPseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least) {
-  if (A.rows() == 0) return {};
+Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least) {
+  if (A.rows() == 0) return A;
   const double weight = A.diagonal().mean();
-  const Eigen::MatrixXd inverse = inverseByCholesky(A + weight * kernel * kernel.transpose());
-  if (inverse.size() == 0 || !(least * largestRowSum(A) * largestRowSum(inverse) < 1)) return diagonalByEigenvectors(A, least);
-  return inverse.diagonal() - kernel.rowwise().squaredNorm() / weight;
+  Eigen::MatrixXd inverse = inverseByCholesky(A + weight * kernel * kernel.transpose());
+  if (inverse.size() == 0 || !(least * largestRowSum(A) * largestRowSum(inverse) < 1)) return pseudoInverseByEigenvectors(A, least);
+  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
+  inverse.noalias() -= kernel * (kernel.transpose() / weight);
+  return inverse;
 }
 
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold) {

@@ -4,7 +4,7 @@
 #include <Teuchos_RCP.hpp>
 #include <Tpetra_Operator.hpp>
 #include <cmath>
-
+#include <vector>
 
 namespace Haptos {
 namespace {
@@ -56,13 +56,21 @@ struct CondensedContact::Model {
   }
   Point at(const Eigen::VectorXd& sigma) const { return at(sigma, M.multiply(sigma)); }
 
+  // Steps of few rows are cheap beside those of a path: an active set that moves a few pairs a step may come to its end.
+  bool mayGoOn(const std::vector<double>& norms) const {
+    const int k = int(norms.size()) - 1, before = k - options.newtonSteps;
+    if (before < 0) return true;
+    return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
+  }
+
   // Damped Newton; where nothing descends, the full step lets the active set move, unless a path is at hand.  Returns the best point,
   // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
   Point newton(Point point, double target) const {
     const Point first = point;
     const double farthest = M.hasKernel() ? options.farthest * M.vectors().norm(s - point.sigma) : 0.0;
     Point best = point;
-    for (int k = 0; k < options.newtonSteps && point.norm > target; ++k) {
+    std::vector<double> norms{point.norm};
+    for (int k = 0; point.norm > target && mayGoOn(norms); ++k) {
       const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
       if (!std::isfinite(M.vectors().norm(d))) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
@@ -75,6 +83,7 @@ struct CondensedContact::Model {
       }
       point = next.norm < point.norm ? std::move(next) : whole;
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
+      norms.push_back(point.norm);
       if (point.norm < best.norm) best = point;
       if (path.hasStages() && k + 1 >= options.trialSteps && best.norm > options.trialLeaves * first.norm) break;
     }

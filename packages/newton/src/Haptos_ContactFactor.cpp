@@ -31,10 +31,21 @@ ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& ke
   prepareKernel(N * heldBy(timesOnRest(&ContactFactor::B, N)));
 }
 
+ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& C, Eigen::MatrixXd blocks)
+    : M_(M), kernel_(kernel), blocks_(std::move(blocks)), forces_(std::in_place, C, kernel, blocks_) {
+  findRest();
+}
+
+bool ContactFactor::isSmallerByForces(const Eigen::MatrixXd& blocks) {
+  Eigen::Index forces = 0, jumps = 0;
+  for (Eigen::Index row = 0; row < blocks.rows(); ++row) forces += ForceFactor::isKnown(blocks, row), jumps += isKnown(blocks, row);
+  return forces > jumps;
+}
+
 // A row without A whose B is its diagonal says d = b / B by itself: normal components of closed pairs, and all of those that stick.
-bool ContactFactor::isSolvedByPair(Eigen::Index row) const {
+bool ContactFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
   for (Eigen::Index k = 0; k < 3; ++k)
-    if (A(row, k) != 0 || (B(row, k) != 0) != (k == row % 3)) return false;
+    if (blocks(row, k) != 0 || (blocks(row, 3 + k) != 0) != (k == row % 3)) return false;
   return true;
 }
 
@@ -130,8 +141,13 @@ void ContactFactor::prepareKernel(const Eigen::MatrixXd& held) {
   small_ = scale_.asDiagonal() * H * scale_.asDiagonal();
 }
 
+// Where forces are solved for C has lost some digits of M's: what is left is solved for once more.
 Eigen::VectorXd ContactFactor::solve(const Eigen::VectorXd& b) const {
   const Eigen::VectorXd d = solvedByPairs(b);
+  if (forces_) {
+    const Eigen::VectorXd first = forces_->solve(b);
+    return first + forces_->solve(withRest(d, residual(b, first)));
+  }
   Eigen::VectorXd y = factor_.solve(residual(b, d));
   if (held_.cols() > 0 && y.allFinite() && small_.allFinite()) {
     const Eigen::VectorXd a = Haptos::solveLeastSquares(small_, scale_.asDiagonal() * (held_.transpose() * y));

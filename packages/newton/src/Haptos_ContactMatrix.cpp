@@ -203,9 +203,16 @@ Eigen::MatrixXd ContactMatrix::blocksOfAll(const Blocks& A, const Blocks& B) con
 // comes to, or that of least norm where there is none.
 std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const {
   const Eigen::VectorXd all = onAllRanks(b);
-  auto factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, ContactFactor::Shape::General);
-  Eigen::VectorXd x = factor->solve(all);
-  if (factor->isSolution(x, all)) last_ = std::move(factor);
+  Eigen::VectorXd x;
+  const auto isSolvedBy = [&](const ContactFactor& factor) { return factor.isSolution(x = factor.solve(all), all); };
+  auto factor = factorByForces(blocks);
+  bool isSolved = factor && isSolvedBy(*factor);
+  if (!isSolved) {
+    isCompliant_ = isCompliant_ && !factor;
+    factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, ContactFactor::Shape::General);
+    isSolved = isSolvedBy(*factor);
+  }
+  if (isSolved) last_ = std::move(factor);
   else if (kind_ == Kind::Products) return {};
   else x = factor->solveLeastSquares(all);
   return x.segment(first_, b.size());
@@ -221,24 +228,35 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equat
   return solution.x;
 }
 
-// 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.
+// Null where there is no use for one.  The inverse costs as much as one and a half LU of all rows.
+std::unique_ptr<const ContactFactor> ContactMatrix::factorByForces(const Eigen::MatrixXd& blocks) const {
+  if (!isCompliant_ || !ContactFactor::isSmallerByForces(blocks)) return {};
+  makeCompliance();
+  return std::make_unique<const ContactFactor>(dense_, wholeKernel_, compliance_, blocks);
+}
+
 // With S = diag(M)^-1/2, M^+ is taken as S (S M S)^+ S, whose rank does not depend on the stiffness of a pair; rows of which M has nothing
 // are pinned, or not there.
-Eigen::VectorXd ContactMatrix::normalStiffness() const {
+void ContactMatrix::makeCompliance() const {
   constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions
+  if (compliance_.size() > 0) return;
   std::vector<Eigen::Index> felt;
   for (Eigen::Index row = 0; row < size_; ++row)
     if (dense_(row, row) > 0) felt.push_back(row);
   const Eigen::VectorXd diagonal = dense_.diagonal()(felt), S = diagonal.cwiseSqrt().cwiseInverse();
-  const Eigen::MatrixXd A = S.asDiagonal() * dense_(felt, felt) * S.asDiagonal();
   const PivotedQr motions(diagonal.cwiseSqrt().asDiagonal() * wholeKernel_(felt, Eigen::all));
-  const Eigen::VectorXd inverse = diagonalOfPseudoInverse(A, motions.Q.leftCols(Eigen::Index(motions.columns.size())), kFree);
+  const Eigen::MatrixXd inverse = pseudoInverse(S.asDiagonal() * dense_(felt, felt) * S.asDiagonal(), motions.Q.leftCols(Eigen::Index(motions.columns.size())), kFree);
+  compliance_ = Eigen::MatrixXd::Zero(size_, size_);
+  compliance_(felt, felt) = S.asDiagonal() * inverse * S.asDiagonal();
+}
+
+// 1 / (M^+)_ii: with M^-1 in the place of F, (M^-1)_ii is what pair i opens under a unit force, no force at the others.
+Eigen::VectorXd ContactMatrix::normalStiffness() const {
+  makeCompliance();
   Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(vectors_.numPairs());
-  for (std::size_t k = 0; k < felt.size(); ++k) {
-    const Eigen::Index row = felt[k] - first_;
-    if (row < 0 || row >= 3 * stiffness.size() || row % 3 != 0) continue;
-    const double compliance = S[Eigen::Index(k)] * S[Eigen::Index(k)] * inverse[Eigen::Index(k)];
-    if (compliance > 0) stiffness[row / 3] = 1 / compliance;
+  for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
+    const Eigen::Index row = first_ + 3 * i;
+    if (const double compliance = compliance_(row, row); compliance > 0) stiffness[i] = 1 / compliance;
   }
   return stiffness;
 }

@@ -39,6 +39,8 @@ class ContactMatrix {
 
   /// \brief (A M + B) d = b, to a relative tolerance.  Collective.
   Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
+  /// \brief Whether the last factor that solved one was of at most half of the rows.
+  bool wasSmall() const { return last_ && 2 * last_->numFactored() <= size_; }
   /// \brief (M + K) d = b for one b after the other, K symmetric and positive semidefinite.
   class Symmetric {
    public:
@@ -70,6 +72,8 @@ class ContactMatrix {
   Eigen::MatrixXd blocksOfAll(const Blocks& A, const Blocks& B) const;
   std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
   std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
+  std::unique_ptr<const ContactFactor> factorByForces(const Eigen::MatrixXd& blocks) const;
+  void makeCompliance() const;
   ContactEquations::Solution solveByCg(const Blocks& K, const Eigen::VectorXd& b) const;
 
   RCP<const Operator> M_;
@@ -82,6 +86,8 @@ class ContactMatrix {
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
   mutable Eigen::MatrixXd wholeKernel_;  // beside dense_: orthonormal, of all ranks
+  mutable Eigen::MatrixXd compliance_;   // M^+ beside dense_, empty until it is asked for
+  mutable bool isCompliant_ = true;      // it solves what it is used for
   mutable std::unique_ptr<const ContactFactor> last_;  // of a general system
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };

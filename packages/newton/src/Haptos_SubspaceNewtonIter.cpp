@@ -207,7 +207,8 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || (isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits));
+  const bool isOnPlateau = isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits);
+  return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || isOnPlateau;
 }
 
 // One step: a direction, or directions for the frozen linearisation, and Gauss-Newton in what there is then.

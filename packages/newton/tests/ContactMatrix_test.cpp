@@ -192,6 +192,56 @@ TEUCHOS_UNIT_TEST(ContactMatrix, LeavesOutWhatPairsSolveByThemselves) {
   TEST_COMPARE(t.difference(x, solution), <, 1e-10);
 }
 
+// Where most pairs are open their forces are known, and the others' are solved for: with and without motions that M does not feel, and with a row that it
+// does not have.
+TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForForcesOfTheFewClosedPairs) {
+  constexpr Eigen::Index kNotThere = 1;  // of an open pair
+  const auto blocks = [](int i) {        // sticking, sliding, open
+    Eigen::Matrix3d A = (1.0 + i) * Eigen::Matrix3d::Identity(), B = Eigen::Matrix3d::Zero();
+    if (i % 4 == 1) A.setZero(), B.diagonal() << -1, -2, -3;
+    if (i == 2) A.row(0).setZero(), B << -1, 0, 0, 0.2, -0.7, 0.1, 0.3, 0.1, -0.5;
+    return std::pair(A, B);
+  };
+  for (const bool isFloating : {false, true}) {
+    const Scene t(isFloating);
+    const Eigen::Index n = 3 * kGroups;
+    const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
+    DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
+    M.topLeftCorner(n, n) = isFloating ? DenseMatrix(P * t.contactM() * P) : t.contactM();
+    if (!isFloating) M.row(kNotThere).setZero(), M.col(kNotThere).setZero();
+    DenseMatrix AMB = M.topLeftCorner(n, n);
+    DenseVector rhs = DenseVector::Zero(t.GT.rows()), solution = rhs;
+    rhs.head(n) = numbers(n, 0.7);
+    ContactMatrix::Blocks A, B;
+    for (int i = 0; i < kGroups; ++i) {
+      const auto [Ai, Bi] = blocks(i);
+      AMB.middleRows<3>(3 * i) = (Ai * AMB.middleRows<3>(3 * i)).eval();
+      AMB.block<3, 3>(3 * i, 3 * i) += Bi;
+    }
+    if (!isFloating) AMB(kNotThere, kNotThere) = 1, rhs[kNotThere] = 0;
+    solution.head(n) = Testing::luSolve(AMB, rhs.head(n));
+    for (const PairLaw& pair : t.dual.pairs) {
+      const auto [Ai, Bi] = blocks(int(t.setup.map->getGlobalElement(pair.normal)) / 3);
+      A.push_back(Ai);
+      B.push_back(Bi);
+    }
+    const auto contactPart = [&](const DenseVector& x) { return t.vectors.contact(t.local(x)); };
+    Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
+    for (Eigen::Index j = 0; j < kernel.cols(); ++j) {
+      DenseVector motion = DenseVector::Zero(t.GT.rows());
+      motion.head(n) = J.col(j);
+      kernel.col(j) = contactPart(motion);
+    }
+    DenseVector diagonal = M.diagonal();
+    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(diagonal), {}, kernel}, t.vectors,
+                               ContactMatrix::Kind::Dense, {});
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+    t.vectors.setContact(x, matrix.solve(A, B, contactPart(rhs), 1e-13));
+    TEST_COMPARE(t.difference(x, solution), <, 1e-10);
+    TEST_ASSERT(matrix.wasSmall());
+  }
+}
+
 // Products that cost as much as the matrix end in it, where a factorisation costs less than those of a solve.
 TEUCHOS_UNIT_TEST(ContactMatrix, IsMadeWhereProductsHaveCostAsMuch) {
   const Scene t(false);
