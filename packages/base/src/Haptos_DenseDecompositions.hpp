@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <utility>
 #include <vector>
 
 namespace Haptos {
@@ -79,9 +80,12 @@ class DenseFactor {
   DenseFactor() = default;  ///< of no rows
   DenseFactor(Eigen::MatrixXd A, Kind kind);
   /// \brief A^-1 B; NaN where A is singular, or not positive definite.
-  Eigen::MatrixXd solve(Eigen::MatrixXd B) const;
+  Eigen::MatrixXd solve(Eigen::MatrixXd B) const { return solve(std::move(B), 'N'); }
+  Eigen::MatrixXd solveTransposed(Eigen::MatrixXd B) const { return solve(std::move(B), 'T'); }
 
  private:
+  Eigen::MatrixXd solve(Eigen::MatrixXd B, char transposed) const;
+
   Kind kind_ = Kind::Lu;
   Eigen::MatrixXd factor_;
   std::vector<int> pivots_;
@@ -99,6 +103,10 @@ Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& k
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);
+
+/// \brief The same of a square matrix that is singular by a few vectors of its kernel alone: by LU, at three times its price.
+/// \param most vectors of the kernel; with more, and where they stand out by no gap, by the other
+Eigen::VectorXd solveNearlySingular(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, Eigen::Index most);
 
 /// \brief Adds T^T T to the lower triangle of A; what is above the diagonal is not defined.
 void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A);

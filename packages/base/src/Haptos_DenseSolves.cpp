@@ -4,6 +4,7 @@
 #include <Teuchos_BLAS.hpp>
 #include <Teuchos_LAPACK.hpp>
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <vector>
 
@@ -55,12 +56,12 @@ DenseFactor::DenseFactor(Eigen::MatrixXd A, Kind kind) : kind_(kind), factor_(st
   isRegular_ = info == 0;
 }
 
-Eigen::MatrixXd DenseFactor::solve(Eigen::MatrixXd B) const {
+Eigen::MatrixXd DenseFactor::solve(Eigen::MatrixXd B, char transposed) const {
   const int n = int(factor_.rows()), rows = std::max(1, n), columns = int(B.cols());
   int info = 0;
   if (!isRegular_) B.setConstant(std::numeric_limits<double>::quiet_NaN());
   else if (kind_ == Kind::Cholesky) Teuchos::LAPACK<int, double>().POTRS('L', n, columns, factor_.data(), rows, B.data(), rows, &info);
-  else Teuchos::LAPACK<int, double>().GETRS('N', n, columns, factor_.data(), rows, pivots_.data(), B.data(), rows, &info);
+  else Teuchos::LAPACK<int, double>().GETRS(transposed, n, columns, factor_.data(), rows, pivots_.data(), B.data(), rows, &info);
   return B;
 }
 
@@ -110,6 +111,40 @@ Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorX
   Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> qr;
   if (threshold > 0) qr.setThreshold(threshold);
   return qr.compute(A).solve(b);
+}
+
+namespace {
+
+// Columns of X that A has nothing of, combined: X^T X = 1.
+Eigen::MatrixXd kernelIn(const Eigen::MatrixXd& X, const Eigen::MatrixXd& AX, double nothing) {
+  if (!AX.allFinite()) return X;
+  const RightSvd svd(AX);
+  return X * svd.V.rightCols((svd.values.array() <= nothing).count());
+}
+
+}  // namespace
+
+// Inverse iteration on a block, A^-1 and A^-T by turns, finds bases V of the kernel and U of what A does not reach.  A + w U V^T is regular, and
+//
+//   x = (1 - V V^T) (A + w U V^T)^-1 (1 - U U^T) b.
+Eigen::VectorXd solveNearlySingular(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, Eigen::Index most) {
+  constexpr Eigen::Index kSmall = 200;  // rows: the other way takes milliseconds
+  const Eigen::Index n = A.rows(), k = most + 1;
+  if (n <= std::max(kSmall, 2 * k)) return solveLeastSquares(A, b);
+  const double nothing = double(n) * std::numeric_limits<double>::epsilon() * A.norm();
+  Eigen::MatrixXd shifted = A;
+  shifted.diagonal().array() += 0.01 * nothing;  // no pivot is exactly 0
+  const DenseFactor factor(std::move(shifted), DenseFactor::Kind::Lu);
+  Eigen::MatrixXd U, V = orthonormalBasis(Eigen::MatrixXd::NullaryExpr(n, k, [](Eigen::Index i, Eigen::Index j) { return std::sin(double(1 + i) * double(2 + j)); }));
+  for (int turn = 0; turn < 2; ++turn) {
+    U = orthonormalBasis(factor.solveTransposed(V));
+    V = orthonormalBasis(factor.solve(U));
+  }
+  U = kernelIn(U, A.transpose() * U, nothing);
+  V = kernelIn(V, A * V, nothing);
+  if (U.cols() != V.cols() || V.cols() == k) return solveLeastSquares(A, b);
+  const Eigen::VectorXd x = solveByLu(A + A.norm() / double(n) * U * V.transpose(), b - U * (U.transpose() * b));
+  return x - V * (V.transpose() * x);
 }
 
 void addGram(const Eigen::MatrixXd& T, Eigen::MatrixXd& A) {

@@ -94,6 +94,22 @@ TEUCHOS_UNIT_TEST(AddGram, AddsToTheLowerTriangle) {
   TEST_COMPARE(Dense((A - expected).triangularView<Eigen::Lower>()).cwiseAbs().maxCoeff(), <, 1e-14);
 }
 
+// Of three vectors in the kernel, of none, of more than were thought of; b is not in the image.
+TEUCHOS_UNIT_TEST(SolveNearlySingular, IsTheShortestOfLeastResidual) {
+  constexpr Eigen::Index n = 250, kMost = 5;
+  const Dense P = Testing::squareQ(numbers(n, n, 0.9)), Q = Testing::squareQ(numbers(n, n, 0.3));
+  const Values b = numbers(n, 1, 0.2);
+  for (const Eigen::Index kernel : {3, 0, 8}) {
+    Values sigma(n), inverse = Values::Zero(n);
+    for (Eigen::Index k = 0; k < n; ++k) sigma[k] = k < kernel ? 0.0 : std::pow(10.0, 3 * std::sin(double(k)));
+    inverse.tail(n - kernel) = sigma.tail(n - kernel).cwiseInverse();
+    const Values expected = Q * inverse.asDiagonal() * (P.transpose() * b);
+    const Values found = solveNearlySingular(P * sigma.asDiagonal() * Q.transpose(), b, kMost);
+    TEST_COMPARE((found - expected).norm(), <, 1e-8 * expected.norm());
+  }
+  TEST_COMPARE(solveNearlySingular(Dense::Zero(n, n), b, kMost).norm(), <=, 0.0);
+}
+
 // The kernel given, given in part (the rest is found), and not at all.
 TEUCHOS_UNIT_TEST(PseudoInverse, LeavesTheKernelOut) {
   constexpr Eigen::Index n = 150, kFree = 7;

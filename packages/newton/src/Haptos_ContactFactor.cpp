@@ -162,9 +162,11 @@ bool ContactFactor::isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& 
   return x.allFinite() && residual(b, x).norm() <= kUseless * residual(b, solvedByPairs(b)).norm();
 }
 
+// What nothing holds are motions of bodies mostly.
 Eigen::VectorXd ContactFactor::solveLeastSquares(const Eigen::VectorXd& b) const {
+  constexpr Eigen::Index kBody = 6;
   const Eigen::VectorXd d = solvedByPairs(b);
-  return withRest(d, Haptos::solveLeastSquares(restMatrix(), residual(b, d)));
+  return withRest(d, solveNearlySingular(restMatrix(), residual(b, d), kernel_.cols() + kBody));
 }
 
 int ContactFactor::numChanged(const Eigen::MatrixXd& blocks) const {
