@@ -286,11 +286,14 @@ Eigen::VectorXd ConePath::walk(Point point, Eigen::VectorXd sigma, const Start& 
   SlipTerm slip = start.slip;
   int creeping = 0, lagging = 0;
   double norm = residual(sigma), least = norm;
+  std::vector<double> leasts;
   for (int step = 0; step < options_.pathSteps && least > end.target; ++step) {
     stages_.push_back({point.cones(), point.s(), norm});
     const double t = point.step(sigma, slip, options_), before = std::exchange(norm, residual(sigma));
     if (!std::isfinite(norm) || t < options_.pathShortest) break;
     if (norm < least) least = norm, best = sigma;
+    leasts.push_back(least);
+    if (step >= options_.pathStall && least > options_.pathStalls * leasts[std::size_t(step - options_.pathStall)]) break;
     creeping = t < options_.pathCreeps ? creeping + 1 : 0;
     if (creeping >= end.patience) break;
     lagging = t > options_.pathLong && norm > options_.pathLags * before ? lagging + 1 : 0;

@@ -145,6 +145,9 @@ struct SubspaceNewtonOptions {
     int pathPatience = 3;
     double pathLong = 0.5, pathLags = 0.6;
     double pathShortest = 1e-6;    ///< step that ends the path
+    /// So many steps that leave this much of the least residual end it, too: 33 steps for nothing were seen, by two seconds each.
+    int pathStall = 8;
+    double pathStalls = 0.5;
     /// A path begins at the last stage of the one before whose jumps leave so much more of the law than they did there: 6 to 9 steps
     /// instead of 23.
     double stageGrowth = 2;
