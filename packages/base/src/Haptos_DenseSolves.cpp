@@ -87,7 +87,7 @@ double largestRowSum(const Eigen::MatrixXd& A) {
 Eigen::MatrixXd pseudoInverseByEigenvectors(const Eigen::MatrixXd& A, double least) {
   const SymmetricEigen eigen(A);
   const auto isFelt = eigen.values.array() > least * eigen.values[A.rows() - 1];
-  const Eigen::VectorXd roots = isFelt.select(eigen.values.array().abs().rsqrt(), 0.0);
+  const Eigen::VectorXd roots = isFelt.select(eigen.values.array().abs().sqrt().inverse(), 0.0);
   const Eigen::MatrixXd V = eigen.vectors * roots.asDiagonal();
   return V * V.transpose();
 }

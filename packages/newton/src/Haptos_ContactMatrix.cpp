@@ -206,11 +206,12 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixX
   Eigen::VectorXd x;
   const auto isSolvedBy = [&](const ContactFactor& factor) { return factor.isSolution(x = factor.solve(all), all); };
   auto factor = factorByForces(blocks);
-  bool isSolved = factor && isSolvedBy(*factor);
+  const bool isTried = factor != nullptr;
+  bool isSolved = isTried && isSolvedBy(*factor);
   if (!isSolved) {
-    isCompliant_ = isCompliant_ && !factor;
     factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, ContactFactor::Shape::General);
     isSolved = isSolvedBy(*factor);
+    if (isTried && isSolved) isCompliant_ = false;  // it was not the matrix that is singular
   }
   if (isSolved) last_ = std::move(factor);
   else if (kind_ == Kind::Products) return {};
