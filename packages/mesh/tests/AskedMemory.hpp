@@ -15,17 +15,23 @@ namespace HaptosTest {
 
 inline std::size_t largest = 0, total = 0;
 
-inline void* countedNew(std::size_t size) {
+inline void* countedNew(std::size_t size) noexcept {
   largest = std::max(largest, size);
   total += size;
-  if (void* p = std::malloc(size)) return p;
+  return std::malloc(size);
+}
+
+inline void* countedNewOrThrow(std::size_t size) {
+  if (void* p = countedNew(size)) return p;
   throw std::bad_alloc();
 }
 
 }  // namespace HaptosTest
 
-void* operator new(std::size_t size) { return HaptosTest::countedNew(size); }
-void* operator new[](std::size_t size) { return HaptosTest::countedNew(size); }
+void* operator new(std::size_t size) { return HaptosTest::countedNewOrThrow(size); }
+void* operator new[](std::size_t size) { return HaptosTest::countedNewOrThrow(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return HaptosTest::countedNew(size); }  // temporary buffers of std::stable_sort
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return HaptosTest::countedNew(size); }
 void operator delete(void* p) noexcept { std::free(p); }
 void operator delete[](void* p) noexcept { std::free(p); }
 void operator delete(void* p, std::size_t) noexcept { std::free(p); }
