@@ -232,8 +232,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForForcesOfTheFewClosedPairs) {
       motion.head(n) = J.col(j);
       kernel.col(j) = contactPart(motion);
     }
-    DenseVector diagonal = M.diagonal();
-    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(diagonal), {}, kernel}, t.vectors,
+    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(M.diagonal()), {}, kernel}, t.vectors,
                                ContactMatrix::Kind::Dense, {});
     Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
     t.vectors.setContact(x, matrix.solve(A, B, contactPart(rhs), 1e-13));
