@@ -14,14 +14,6 @@
 namespace Haptos {
 namespace {
 
-// Y_i := A_i X_i
-template <class Values>
-Values multiplyBlocks(const ContactMatrix::Blocks& A, const Values& X) {
-  Values Y(X.rows(), X.cols());
-  for (std::size_t i = 0; i < A.size(); ++i) Y.template middleRows<3>(3 * Eigen::Index(i)) = A[i] * X.template middleRows<3>(3 * Eigen::Index(i));
-  return Y;
-}
-
 // L^T with K = L L^T by Cholesky, which keeps the digits of small coefficients: it does not mind how rows are scaled.  What is left of
 // a pivot by round-off alone is none.
 Eigen::Matrix3d rootOf(const Eigen::Matrix3d& K) {
@@ -33,20 +25,6 @@ Eigen::Matrix3d rootOf(const Eigen::Matrix3d& K) {
     rest -= root.row(k).transpose() * root.row(k);
   }
   return root;
-}
-
-// T such that Y T is orthonormal over all ranks; combinations of columns that leave nothing are left out.  Twice, as the first
-// time loses the digits of what is small.
-Eigen::MatrixXd orthonormalizer(const Communicator& comm, const Eigen::MatrixXd& Y) {
-  constexpr double kNothing = 1e-13;
-  Eigen::MatrixXd T = Eigen::MatrixXd::Identity(Y.cols(), Y.cols());
-  for (int pass = 0; pass < 2 && T.cols() > 0; ++pass) {
-    const RightSvd svd(stackedQr(comm, Y * T));
-    Eigen::Index rank = 0;
-    while (rank < T.cols() && svd.values[rank] > kNothing * svd.values[0]) ++rank;
-    T = (T * svd.V.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal()).eval();
-  }
-  return T;
 }
 
 // (A_i D_i + B_i)^-1; a row without a law and without stiffness stays 0
@@ -64,6 +42,7 @@ ContactMatrix::Blocks invertedBlocks(const ContactMatrix::Blocks& A, const Conta
 ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options)
     : M_(std::move(parts.M)),
       makeWhole_(std::move(parts.dense)),
+      makeSmooth_(std::move(parts.smooth)),
       vectors_(vectors),
       diagonal_(std::move(parts.diagonal)),
       kernel_(std::move(parts.kernel)),
@@ -79,18 +58,35 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
   if (kind == Kind::Dense) makeDense();
 }
 
-// Column j of M is M applied to unit force j, some columns at a time; every rank has its own rows of it, then all have all.
-Eigen::MatrixXd ContactMatrix::byColumns() const {
+// M times `count` columns, `columns(first, width)` of them at a time
+Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const {
   constexpr Eigen::Index kAtATime = 32;
-  const Eigen::Index mine = 3 * vectors_.numPairs();
-  Eigen::MatrixXd rows(mine, size_);
-  for (Eigen::Index j = 0; j < size_; j += kAtATime) {
-    Eigen::MatrixXd units = Eigen::MatrixXd::Zero(mine, std::min(kAtATime, size_ - j));
-    for (Eigen::Index k = 0; k < units.cols(); ++k)
-      if (j + k >= first_ && j + k < first_ + mine) units(j + k - first_, k) = 1;
-    rows.middleCols(j, units.cols()) = vectors_.applyOnContactByColumns(*M_, units);
+  Eigen::MatrixXd result(3 * vectors_.numPairs(), count);
+  for (Eigen::Index j = 0; j < count; j += kAtATime) {
+    const Eigen::Index width = std::min(kAtATime, count - j);
+    result.middleCols(j, width) = vectors_.applyOnContactByColumns(*M_, columns(j, width));
   }
-  return onAllRanks(rows);
+  return result;
+}
+
+// Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
+Eigen::MatrixXd ContactMatrix::byColumns() const {
+  const Eigen::Index mine = 3 * vectors_.numPairs();
+  return onAllRanks(multiplyColumns(size_, [&](Eigen::Index j, Eigen::Index width) {
+    Eigen::MatrixXd units = Eigen::MatrixXd::Zero(mine, width);
+    for (Eigen::Index k = 0; k < width; ++k)
+      if (j + k >= first_ && j + k < first_ + mine) units(j + k - first_, k) = 1;
+    return units;
+  }));
+}
+
+// Motions of the kernel are solved for by themselves.
+void ContactMatrix::makeCoarse() const {
+  const auto M = [this](const Eigen::MatrixXd& X) {
+    return multiplyColumns(X.cols(), [&X](Eigen::Index j, Eigen::Index width) -> Eigen::MatrixXd { return X.middleCols(j, width); });
+  };
+  coarse_ = std::make_unique<const ContactCoarse>(vectors_, makeSmooth_(), diagonal_, kernel_, M);
+  twoLevel_ = std::make_unique<TwoLevelPreconditioner>(*coarse_, M);
 }
 
 // Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
@@ -129,37 +125,45 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
     const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
     equations.known = {kernel_ * T, images * T};
   }
-  std::optional<Eigen::VectorXd> direct;
-  if (dense_.size() > 0) {
-    const Eigen::MatrixXd blocks = blocksOfAll(A, B);
-    if (!(direct = solveByLast(equations, blocks, b))) direct = solveDirectly(blocks, b);
-    if (direct) return *direct;
+  while (dense_.size() == 0) {
+    auto solution = coarse_ ? solveByCoarse(equations, A, B, b) : equations.solveByGmres(vectors_, b);
+    if (mayStay(solution)) return std::move(solution.x);
   }
-  const auto solution = equations.solveByGmres(vectors_, b);
-  if (!mayStay(solution)) direct = solveDirectly(blocksOfAll(A, B), b);
-  return direct.value_or(solution.x);
+  const Eigen::MatrixXd blocks = blocksOfAll(A, B);
+  auto direct = solveByLast(equations, blocks, b);
+  if (!direct) direct = solveDirectly(blocks, b);
+  return direct ? *direct : equations.solveByGmres(vectors_, b).x;
 }
 
-// The kernel's images are K kernel, K = L L^T; T makes L^T kernel orthonormal.
-ContactEquations::Solution ContactMatrix::solveByCg(const Blocks& K, const Eigen::VectorXd& b) const {
-  const Blocks inverse = invertedBlocks(Blocks(K.size(), Eigen::Matrix3d::Identity()), K, diagonal_);
-  ContactEquations equations{[&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
-                             [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, options_.pathLinearTolerance,
-                             options_.linearSteps};
+ContactEquations::Solution ContactMatrix::solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+  twoLevel_->renew(A, B);
+  equations.preconditioner = [this](const Eigen::VectorXd& r) { return twoLevel_->apply(r); };
+  return equations.solveByGmres(vectors_, b);
+}
+
+// (M + K) d = b by conjugate gradients.  The kernel's images are K kernel, K = L L^T; T makes L^T kernel orthonormal.
+ContactEquations ContactMatrix::symmetricEquations(const Blocks& K) const {
+  ContactEquations equations{[this, &K](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiply(x) + multiplyBlocks(K, x); },
+                             [inverse = invertedBlocks(Blocks(K.size(), Eigen::Matrix3d::Identity()), K, diagonal_)](const Eigen::VectorXd& x) {
+                               return multiplyBlocks(inverse, x);
+                             },
+                             options_.pathLinearTolerance, options_.linearSteps};
   if (kernel_.cols() > 0) {
     Blocks roots;
     for (const auto& Ki : K) roots.push_back(rootOf(Ki));
     const Eigen::MatrixXd motions = kernel_ * orthonormalizer(vectors_.comm(), multiplyBlocks(roots, kernel_));
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
-  return equations.solveByCg(vectors_, b);
+  if (coarse_) coarse_->appendTo(equations.known, K);
+  return equations;
 }
 
 // Where Cholesky's method is no good for the matrix LU may be.
 Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) {
   std::optional<ContactEquations::Solution> byCg;
-  if (M_.dense_.size() == 0) {
-    byCg = M_.solveByCg(K_, b);
+  while (M_.dense_.size() == 0) {
+    if (!equations_ || isCoarse_ != (M_.coarse_ != nullptr)) equations_ = M_.symmetricEquations(K_), isCoarse_ = M_.coarse_ != nullptr;
+    byCg = equations_->solveByCg(M_.vectors_, b);
     if (M_.mayStay(*byCg)) return byCg->x;
   }
   const auto blocks = [&] { return M_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_); };  // collective: a factor has them
@@ -168,18 +172,21 @@ Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) {
   const Eigen::VectorXd x = factor_->solve(all);
   if (factor_->isSolution(x, all)) return x.segment(M_.first_, b.size());
   const auto direct = M_.solveDirectly(blocks(), b);
-  return direct ? *direct : byCg ? byCg->x : M_.solveByCg(K_, b).x;
+  return direct ? *direct : byCg ? byCg->x : M_.symmetricEquations(K_).solveByCg(M_.vectors_, b).x;
 }
 
-// A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time: the dense matrix
-// is made then, which costs a product a row once.  So it is where products of solves have cost as much and a factorisation is cheaper.
+// A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time.  A coarse space helps it where pairs
+// are many, the dense matrix, which costs a product a row once, where a factorisation is cheaper.
 bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
-  if (dense_.size() > 0 || size_ > options_.rowsOfStep * options_.linearSteps) return true;
+  if (dense_.size() > 0) return true;
   products_ += solution.products;
   ++solves_;
-  const bool isDear = products_ > size_ && options_.rowsOfStep * products_ > size_ * solves_;
+  const bool isDear = !coarse_ && products_ > size_ && options_.rowsOfStep * products_ > size_ * solves_;
+  if (coarse_) numLost_ = solution.isConverged ? 0 : numLost_ + 1;
   if (solution.isConverged && !isDear) return true;
-  makeDense();
+  if (!coarse_ && makeSmooth_ && size_ >= options_.rowsOfStep * options_.coarseSteps) makeCoarse();
+  else if (size_ <= options_.rowsOfStep * options_.linearSteps && (!coarse_ || numLost_ >= options_.coarseTrials)) makeDense();
+  else return true;
   return solution.isConverged;
 }
 

@@ -6,6 +6,7 @@
 #include <optional>
 #include <vector>
 
+#include "Haptos_ContactCoarse.hpp"
 #include "Haptos_ContactFactor.hpp"
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DualVectors.hpp"
@@ -21,7 +22,7 @@ class ContactMatrix {
   using Blocks = std::vector<Eigen::Matrix3d>;  ///< [pairs]
 
   /// Dense: 3 x pairs applications of M now, the matrix on all ranks, direct solves: where M is slow, and so badly scaled that Krylov
-  /// methods fail (slender subdomains).  Products: until a Krylov method fails.
+  /// methods fail (slender subdomains).  Products: Krylov methods; where they fail, with a coarse space, and where that fails the matrix is made.
   enum class Kind { Dense, Products };
 
   struct Parts {
@@ -29,6 +30,7 @@ class ContactMatrix {
     Eigen::VectorXd diagonal;  ///< [3 pairs] about M's, what is 0 counts as 1
     std::function<Eigen::MatrixXd()> dense{};  ///< makes the matrix of all ranks' contact values, the same on all.  Collective.  Empty: by columns.
     Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
+    std::function<Eigen::MatrixXd()> smooth{};  ///< makes jumps for a coarse space [3 pairs x any].  Collective.  Empty: there are none.
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
@@ -50,7 +52,9 @@ class ContactMatrix {
    private:
     const ContactMatrix& M_;
     Blocks K_;
-    std::unique_ptr<const ContactFactor> factor_;  // where M is dense
+    std::unique_ptr<const ContactFactor> factor_;   // where M is dense
+    std::optional<ContactEquations> equations_;     // where it is not, with coarse jumps or without
+    bool isCoarse_ = false;
   };
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one; 0 where
@@ -65,6 +69,8 @@ class ContactMatrix {
 
  private:
   void makeDense() const;
+  void makeCoarse() const;
+  Eigen::MatrixXd multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const;
   Eigen::MatrixXd byColumns() const;
   bool mayStay(const ContactEquations::Solution& solution) const;
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
@@ -74,10 +80,11 @@ class ContactMatrix {
   std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
   std::unique_ptr<const ContactFactor> factorByForces(const Eigen::MatrixXd& blocks) const;
   void makeCompliance() const;
-  ContactEquations::Solution solveByCg(const Blocks& K, const Eigen::VectorXd& b) const;
+  ContactEquations symmetricEquations(const Blocks& K) const;
+  ContactEquations::Solution solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
 
   RCP<const Operator> M_;
-  std::function<Eigen::MatrixXd()> makeWhole_;
+  std::function<Eigen::MatrixXd()> makeWhole_, makeSmooth_;
   const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd kernel_;
@@ -89,6 +96,9 @@ class ContactMatrix {
   mutable Eigen::MatrixXd compliance_;   // M^+ beside dense_, empty until it is asked for
   mutable bool isCompliant_ = true;      // it solves what it is used for
   mutable std::unique_ptr<const ContactFactor> last_;  // of a general system
+  mutable std::unique_ptr<const ContactCoarse> coarse_;           // null until Krylov methods fail without it
+  mutable std::unique_ptr<TwoLevelPreconditioner> twoLevel_;       // beside it, of the last general system
+  mutable int numLost_ = 0;                                        // solves in a row that failed with it
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };
 

@@ -35,6 +35,8 @@ struct ContactOperators {
     /// M between owned rows (-1: none, zero) of all ranks, as one matrix on every rank [rows of all]^2, rank after rank; empty: made by
     /// columns of M.  Collective.
     std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};
+    /// Makes jumps of pairs that vary slowly over the surfaces [3 x owned pairs x any], by (N, T1, T2), maybe dependent; empty: there are none.  Collective.
+    std::function<Eigen::MatrixXd()> smoothJumps{};
   };
   /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
   std::function<Deflated()> makeDeflatedM;

@@ -58,4 +58,16 @@ Eigen::MatrixXd stackedQr(const Communicator& comm, const Eigen::MatrixXd& A) {
   return unpacked(values, n);
 }
 
+// Twice, as the first time loses the digits of what is small.
+Eigen::MatrixXd orthonormalizer(const Communicator& comm, const Eigen::MatrixXd& Y, double nothing) {
+  Eigen::MatrixXd T = Eigen::MatrixXd::Identity(Y.cols(), Y.cols());
+  for (int pass = 0; pass < 2 && T.cols() > 0; ++pass) {
+    const RightSvd svd(stackedQr(comm, Y * T));
+    Eigen::Index rank = 0;
+    while (rank < T.cols() && svd.values[rank] > nothing * svd.values[0]) ++rank;
+    T = (T * svd.V.leftCols(rank) * svd.values.head(rank).cwiseInverse().asDiagonal()).eval();
+  }
+  return T;
+}
+
 }  // namespace Haptos

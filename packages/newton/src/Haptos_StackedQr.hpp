@@ -15,4 +15,8 @@ namespace Haptos {
 /// Source: Demmel, Grigori, Hoemmen, Langou, SIAM J. Sci. Comput. 34 (2012) A206.
 Eigen::MatrixXd stackedQr(const Communicator& comm, const Eigen::MatrixXd& A);
 
+/// \brief T such that the columns of Y T are orthonormal over all ranks; combinations that leave up to `nothing` of the largest are left out.
+/// Collective.
+Eigen::MatrixXd orthonormalizer(const Communicator& comm, const Eigen::MatrixXd& Y, double nothing = 1e-13);
+
 }  // namespace Haptos

@@ -130,6 +130,9 @@ struct SubspaceNewtonOptions {
     /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
     /// much as n / 40 products of 2 n^2 at 1e9.
     int rowsOfStep = 40;  ///< decisions/040
+    /// Where a factorisation is worth at least so many products, they get a coarse space at first (`ContactCoarse`), by which they end after 20 to 60; so many solves
+    /// in a row that do not end show that it is no help.
+    int coarseSteps = 25, coarseTrials = 3;
     /// A factor before serves where at most so many pairs changed by more than a tenth, by so many steps of GMRES.
     int changedPairs = 10, stepsByLast = 8;
     /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.

@@ -10,6 +10,7 @@
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_SmoothJumps.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
 
@@ -98,7 +99,8 @@ struct SubspaceNewtonSolver::Impl {
     using Made = DeflatedPreconditioner;
     deflated = context.system.makeDeflated(context.system.model().isHard ? Made::kLargestSpectrum : Made::kUsualSpectrum);
     if (deflated.is_null()) return {};
-    return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
+    return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
+            [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }};
   }
 
   double estimateKkt(const Vector& l, const Vector& s) {

@@ -1,0 +1,100 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactCoarse.hpp"
+
+#include <Eigen/LU>
+
+#include "Haptos_StackedQr.hpp"
+
+namespace Haptos {
+namespace {
+
+// T such that the columns of Y T are nearly orthonormal; combinations that are next to nothing are left out.
+Eigen::MatrixXd basisOf(const DualVectors& vectors, const Eigen::MatrixXd& Y) {
+  constexpr double kNothing = 1e-10;  // of the largest square
+  Eigen::MatrixXd gram = Y.transpose() * Y;
+  vectors.sum(gram);
+  const SymmetricEigen eigen(gram);
+  const Eigen::Index rank = gram.size() == 0 ? 0 : (eigen.values.array() > kNothing * eigen.values.maxCoeff()).count();
+  return eigen.vectors.rightCols(rank) * eigen.values.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
+}
+
+// Pairs of this rank whose blocks differ by more than a tenth.
+int numChanged(const ContactCoarse::Blocks& before, const ContactCoarse::Blocks& now) {
+  constexpr double kMuch = 0.1;
+  int count = 0;
+  for (std::size_t i = 0; i < now.size(); ++i) count += (now[i] - before[i]).norm() > kMuch * before[i].norm();
+  return count;
+}
+
+}  // namespace
+
+ContactCoarse::ContactCoarse(const DualVectors& vectors, const Eigen::MatrixXd& jumps, const Eigen::VectorXd& diagonal, const Eigen::MatrixXd& kernel,
+                             const Product& M)
+    : vectors_(vectors), diagonal_(diagonal) {
+  const Eigen::VectorXd root = diagonal.cwiseSqrt();
+  const Eigen::MatrixXd scaledKernel = root.asDiagonal() * kernel, N = scaledKernel * orthonormalizer(vectors.comm(), scaledKernel);
+  Eigen::MatrixXd X = root.asDiagonal() * jumps, known = N.transpose() * X;
+  vectors.sum(known);
+  X -= N * known;
+  Q_ = root.cwiseInverse().asDiagonal() * (X * basisOf(vectors, X));
+  MQ_ = M(Q_);
+}
+
+void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {
+  constexpr double kNothing = 1e-12;
+  if (known.motions.cols() == 0) known = {Eigen::MatrixXd(Q_.rows(), 0), Eigen::MatrixXd(Q_.rows(), 0)};
+  Eigen::MatrixXd answered = known.images.transpose() * Q_;
+  vectors_.sum(answered);
+  const Eigen::MatrixXd Q = Q_ - known.motions * answered, GQ = MQ_ + multiplyBlocks(K, Q);
+  Eigen::MatrixXd energies = Q.transpose() * GQ;
+  if (energies.size() == 0) return;
+  vectors_.sum(energies);
+  const Eigen::VectorXd scale = energies.diagonal().cwiseSqrt().cwiseInverse();
+  const SymmetricEigen eigen(scale.asDiagonal() * (0.5 * (energies + energies.transpose())) * scale.asDiagonal());
+  const Eigen::Index good = (eigen.values.array() > kNothing).count(), before = known.motions.cols();
+  const Eigen::MatrixXd T = scale.asDiagonal() * eigen.vectors.rightCols(good) * eigen.values.tail(good).cwiseSqrt().cwiseInverse().asDiagonal();
+  known.motions.conservativeResize(Eigen::NoChange, before + good);
+  known.images.conservativeResize(Eigen::NoChange, before + good);
+  known.motions.rightCols(good) = Q * T;
+  known.images.rightCols(good) = GQ * T;
+}
+
+TwoLevelPreconditioner::TwoLevelPreconditioner(const ContactCoarse& coarse, ContactCoarse::Product M)
+    : coarse_(coarse), M_(std::move(M)) {}
+
+// Z is what takes products.  Any is good that is about what the law lets of Q.
+void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B) {
+  constexpr double kFew = 0.05;  // of the pairs
+  ContactCoarse::Blocks free;
+  const Eigen::VectorXd& D = coarse_.diagonal();
+  const DualVectors& vectors = coarse_.vectors();
+  inverse_.clear();
+  for (std::size_t i = 0; i < A.size(); ++i) {
+    const Eigen::Matrix3d AD = A[i] * D.segment<3>(3 * Eigen::Index(i)).asDiagonal();
+    inverse_.push_back((AD + B[i]).inverse());
+    free.push_back(inverse_.back() * AD);
+  }
+  Eigen::Vector2d changed(isMade_ ? double(numChanged(free_, free)) : 0.0, double(free.size()));
+  vectors.sum(changed);
+  if (!isMade_ || changed[0] > kFew * changed[1]) {
+    isMade_ = true;  // also on a rank without pairs
+    Z_ = multiplyBlocks(free, coarse_.Q());
+    Z_ *= basisOf(vectors, D.cwiseSqrt().asDiagonal() * Z_);  // pairs that stick leave nothing of some
+    MZ_ = M_(Z_);
+    free_ = std::move(free);
+  }
+  step_ = multiplyBlocks(inverse_, Eigen::MatrixXd(multiplyBlocks(A, MZ_) + multiplyBlocks(B, Z_)));
+  Eigen::MatrixXd C = Z_.transpose() * (D.asDiagonal() * step_);
+  vectors.sum(C);
+  factor_ = DenseFactor(std::move(C), DenseFactor::Kind::Lu);
+  step_ = Z_ - step_;
+}
+
+Eigen::VectorXd TwoLevelPreconditioner::apply(const Eigen::VectorXd& r) const {
+  const Eigen::VectorXd z = multiplyBlocks(inverse_, r);
+  Eigen::VectorXd y = Z_.transpose() * coarse_.diagonal().cwiseProduct(z);
+  coarse_.vectors().sum(y);
+  return z + step_ * factor_.solve(y);
+}
+
+}  // namespace Haptos

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// A coarse space for Krylov methods on contact rows, against dense solutions.
+#include <Teuchos_UnitTestHarness.hpp>
+
+#include "DirectionScene.hpp"
+#include "Haptos_CountedOperator.hpp"
+#include "Haptos_DenseDecompositions.hpp"
+
+namespace {
+
+using namespace HaptosTest;
+
+constexpr Eigen::Index kSoft = 12, kRows = 3 * kGroups;
+
+// M with energies of 0.5 to 1.5, but for the first columns of an orthonormal W, which cost 1e-7 to 3e-2; the motions J of a floating body cost none.
+struct SoftMatrix {
+  DenseMatrix M, soft;
+
+  explicit SoftMatrix(const Scene& t, bool isFloating) {
+    DenseMatrix start = DenseMatrix::NullaryExpr(kRows, kRows, [](Eigen::Index i, Eigen::Index j) { return std::sin(double(1 + i) * double(3 + j)); });
+    const Eigen::Index k = isFloating ? 6 : 0;
+    if (isFloating) start.leftCols(k) = t.GT.topRows(kRows).rightCols(k);
+    const DenseMatrix W = orthonormalBasis(start);
+    DenseVector energies = DenseVector::LinSpaced(kRows, 0.5, 1.5);
+    energies.head(k).setZero();
+    for (Eigen::Index i = 0; i < kSoft; ++i) energies[k + i] = std::pow(10.0, 0.5 * double(i) - 7);
+    M = W * energies.asDiagonal() * W.transpose();
+    soft = W.middleCols(k, kSoft);
+  }
+};
+
+// Pair i, wherever it is: closed pairs stick or slide, others are open.
+std::pair<Eigen::Matrix3d, Eigen::Matrix3d> blocksOf(int i) {
+  Eigen::Matrix3d A = Eigen::Matrix3d::Identity(), B = Eigen::Matrix3d::Zero();
+  if (i % 4 == 1) A.setZero(), B.setIdentity();
+  if (i % 4 == 2) A.row(0).setZero(), B << 1, 0, 0, 0.1, 0.3, 0.05, 0.2, 0.05, 0.4;
+  return {A, B};
+}
+Eigen::Matrix3d blockK(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3), 1e-3, 1e-2).asDiagonal(); }
+
+// Errors of (M + K) d = b and of (A M + B) d = b, relative.
+Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
+                       const SubspaceNewtonOptions::Condensed& options) {
+  const auto contactPart = [&](const DenseVector& x) -> Eigen::VectorXd {
+    DenseVector all = DenseVector::Zero(t.GT.rows());
+    all.head(kRows) = x;
+    return t.vectors.contact(t.local(all));
+  };
+  DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
+  whole.topLeftCorner(kRows, kRows) = m.M;
+  Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
+  for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth},
+                             t.vectors, ContactMatrix::Kind::Products, options);
+  const DenseVector expected = numbers(kRows, 0.4);
+  DenseVector symmetric = m.M * expected, general = symmetric;
+  for (int i = 0; i < kGroups; ++i) {
+    const auto [A, B] = blocksOf(i);
+    general.segment<3>(3 * i) = (A * general.segment<3>(3 * i) + B * expected.segment<3>(3 * i)).eval();
+    symmetric.segment<3>(3 * i) += blockK(i) * expected.segment<3>(3 * i);
+  }
+  ContactMatrix::Blocks A, B, K;
+  for (const PairLaw& pair : t.dual.pairs) {
+    const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
+    A.push_back(blocksOf(i).first);
+    B.push_back(blocksOf(i).second);
+    K.push_back(blockK(i));
+  }
+  const Eigen::VectorXd x = ContactMatrix::Symmetric(matrix, K).solve(contactPart(symmetric)), y = matrix.solve(A, B, contactPart(general), 1e-10);
+  const Eigen::VectorXd again = matrix.solve(A, B, contactPart(general), 1e-10);  // with the coarse space as it is
+  const auto error = [&](const Eigen::VectorXd& z) { return t.vectors.norm(z - contactPart(expected)) / expected.norm(); };
+  return Eigen::Vector2d(error(x), smooth ? std::max(error(y), error(again)) : error(y));
+}
+
+// Few steps do where soft jumps are solved for by themselves, and do not where they are not; a space that is of no use is given up for the dense matrix.
+TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
+  for (const bool isFloating : {false, true}) {
+    const Scene t(isFloating);
+    const SoftMatrix m(t, isFloating);
+    SubspaceNewtonOptions::Condensed options;
+    options.pathLinearTolerance = 1e-10;
+    options.linearSteps = isFloating ? 20 : 10;
+    options.rowsOfStep = 1;  // too few for a dense matrix
+    options.coarseSteps = 0;
+    const auto columns = [&](const DenseMatrix& X) {
+      return [&t, X]() -> Eigen::MatrixXd {
+        Eigen::MatrixXd mine(3 * t.vectors.numPairs(), X.cols());
+        DenseVector all = DenseVector::Zero(t.GT.rows());
+        for (Eigen::Index j = 0; j < X.cols(); ++j) all.head(kRows) = X.col(j), mine.col(j) = t.vectors.contact(t.local(all));
+        return mine;
+      };
+    };
+    DenseMatrix dependent(kRows, 2 * kSoft);  // with half of them twice
+    dependent << m.soft, m.soft * DenseMatrix::Constant(kSoft, kSoft, 0.3);
+    TEST_COMPARE(errors(t, m, isFloating, columns(dependent), options).maxCoeff(), <, 1e-6);
+    TEST_COMPARE(errors(t, m, isFloating, {}, options).minCoeff(), >, 1e-3);
+    const auto useless = columns(DenseMatrix::Identity(kRows, 2));
+    TEST_COMPARE(errors(t, m, isFloating, useless, options).minCoeff(), >, 1e-3);
+    options.rowsOfStep = 40;
+    options.coarseTrials = 1;
+    TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
+    TEST_COMPARE(errors(t, m, isFloating, columns(DenseMatrix::Zero(kRows, 2)), options).maxCoeff(), <, 1e-6);
+  }
+}
+
+}  // namespace
