@@ -115,8 +115,22 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   return dense_.middleRows(first_, x.size()) * all;
 }
 
-// The kernel's images are B kernel; T makes them orthonormal.
 Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
+  return withoutFree(B, solveAny(A, B, b, tolerance));
+}
+
+// Motions of the kernel that B does not feel either (a coefficient 0) stay where they are: a solution may have any of them.
+Eigen::VectorXd ContactMatrix::withoutFree(const Blocks& B, Eigen::VectorXd d) const {
+  constexpr double kNothing = 1e-13;
+  if (kernel_.cols() == 0) return d;
+  const RightSvd svd(stackedQr(vectors_.comm(), multiplyBlocks(B, kernel_)));
+  const Eigen::Index free = (svd.values.array() <= kNothing * svd.values[0]).count();
+  if (free > 0) d -= partIn(kernel_ * svd.V.rightCols(free), d);
+  return d;
+}
+
+// The kernel's images are B kernel; T makes them orthonormal.
+Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
   const Blocks inverse = invertedBlocks(A, B, diagonal_);
   ContactEquations equations{
       [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
@@ -158,8 +172,10 @@ ContactEquations ContactMatrix::symmetricEquations(const Blocks& K) const {
   return equations;
 }
 
+Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { return M_.withoutFree(K_, solveAny(b)); }
+
 // Where Cholesky's method is no good for the matrix LU may be.
-Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) {
+Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   std::optional<ContactEquations::Solution> byCg;
   while (M_.dense_.size() == 0) {
     if (!equations_ || isCoarse_ != (M_.coarse_ != nullptr)) equations_ = M_.symmetricEquations(K_), isCoarse_ = M_.coarse_ != nullptr;
@@ -191,12 +207,16 @@ bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
 }
 
 Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
-  const Eigen::Index k = kernel_.cols();
-  if (k == 0) return Eigen::VectorXd::Zero(x.size());
+  if (kernel_.cols() == 0) return Eigen::VectorXd::Zero(x.size());
+  return partIn(kernel_, x);
+}
+
+Eigen::VectorXd ContactMatrix::partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const {
+  const Eigen::Index k = motions.cols();
   Eigen::MatrixXd sums(k, k + 1);
-  sums << kernel_.transpose() * kernel_, kernel_.transpose() * x;
+  sums << motions.transpose() * motions, motions.transpose() * x;
   vectors_.sum(sums);
-  return kernel_ * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
+  return motions * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
 }
 
 // [all contact values x 6] row by row A_i and B_i, the same on every rank

@@ -50,6 +50,8 @@ class ContactMatrix {
     Eigen::VectorXd solve(const Eigen::VectorXd& b);  ///< Collective
 
    private:
+    Eigen::VectorXd solveAny(const Eigen::VectorXd& b);
+
     const ContactMatrix& M_;
     Blocks K_;
     std::unique_ptr<const ContactFactor> factor_;   // where M is dense
@@ -68,6 +70,9 @@ class ContactMatrix {
   const DualVectors& vectors() const { return vectors_; }
 
  private:
+  Eigen::VectorXd solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
+  Eigen::VectorXd withoutFree(const Blocks& B, Eigen::VectorXd d) const;
+  Eigen::VectorXd partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const;
   void makeDense() const;
   void makeCoarse() const;
   Eigen::MatrixXd multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const;

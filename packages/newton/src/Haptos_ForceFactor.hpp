@@ -13,7 +13,7 @@ namespace Haptos {
 class ForceFactor {
  public:
   /// \param C [n x n] with M C f = f for f orthogonal to the kernel, 0 where M has nothing: kept by reference
-  /// \param kernel [n x k] orthonormal, M kernel = 0: kept by reference
+  /// \param kernel [n x k] orthonormal, M kernel = 0
   /// \param blocks [n x 6] row by row A_i and B_i of the row's pair
   ForceFactor(const Eigen::MatrixXd& C, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks);
 
@@ -30,8 +30,8 @@ class ForceFactor {
   Eigen::MatrixXd matrix() const;
   double times(int first, Eigen::Index row, const Eigen::Ref<const Eigen::VectorXd>& x) const;
 
-  const Eigen::MatrixXd &C_, &kernel_;
-  Eigen::MatrixXd blocks_;
+  const Eigen::MatrixXd& C_;
+  Eigen::MatrixXd kernel_, blocks_;            // of the kernel what B resists
   std::vector<Eigen::Index> known_, unknown_;  // rows of which M has something
   double length_ = 1;                          // of a, so that rows of balance are as large as others
   DenseFactor factor_;                         // of (f, a)

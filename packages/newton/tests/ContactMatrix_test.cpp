@@ -163,6 +163,40 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   }
 }
 
+// A body slides along an axis without friction: neither M nor the law feels it, and it stays where it is, whatever solves the rest.
+TEUCHOS_UNIT_TEST(ContactMatrix, LeavesFreeMotionsWhereTheyAre) {
+  const Scene t(true);
+  const Eigen::Index n = 3 * kGroups;
+  DenseVector slide = DenseVector::Zero(n);
+  for (Eigen::Index i = 2; i < n; i += 3) slide[i] = 1;
+  const DenseMatrix P = DenseMatrix::Identity(n, n) - slide * slide.transpose() / slide.squaredNorm();
+  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
+  M.topLeftCorner(n, n) = P * t.contactM() * P;
+  const auto contactPart = [&](const DenseVector& x) -> Eigen::VectorXd {
+    DenseVector all = DenseVector::Zero(t.GT.rows());
+    all.head(n) = x;
+    return t.vectors.contact(t.local(all));
+  };
+  const Eigen::Vector3d held(1, 0.5, 0);
+  const DenseVector bent = P * numbers(n, 0.4), b = M.topLeftCorner(n, n) * bent + held.replicate(kGroups, 1).cwiseProduct(bent);
+  const ContactMatrix::Blocks one(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), K(t.dual.pairs.size(), held.asDiagonal());
+  ContactMatrix::Blocks open = K;  // enough of them for a factor by forces
+  for (std::size_t i = 0; i < open.size(); ++i)
+    if (t.setup.map->getGlobalElement(t.dual.pairs[i].normal) / 3 > 3) open[i].setZero();
+  DenseVector few = M.topLeftCorner(n, n) * bent;
+  few.head<12>() += held.replicate(4, 1).cwiseProduct(bent.head<12>());
+  for (const auto kind : kKinds) {
+    SubspaceNewtonOptions::Condensed options;
+    options.pathLinearTolerance = 1e-10;
+    const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), contactPart(t.contactM().diagonal()), {},
+                                Eigen::MatrixXd(contactPart(slide))},
+                               t.vectors, kind, options);
+    for (const Eigen::VectorXd& y : {ContactMatrix::Symmetric(matrix, K).solve(contactPart(b)), matrix.solve(one, K, contactPart(b), 1e-10),
+                                     matrix.solve(one, open, contactPart(few), 1e-10)})
+      TEST_COMPARE(t.vectors.norm(y - contactPart(bent)), <, 1e-6 * bent.norm());
+  }
+}
+
 // Rows that pairs solve by themselves, as closed normals and sticking pairs have them, are left out of direct solves.
 TEUCHOS_UNIT_TEST(ContactMatrix, LeavesOutWhatPairsSolveByThemselves) {
   const Scene t(false);
