@@ -41,11 +41,7 @@ Eigen::Matrix3d blockK(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3)
 // Errors of (M + K) d = b and of (A M + B) d = b, relative.
 Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
                        const SubspaceNewtonOptions::Condensed& options) {
-  const auto contactPart = [&](const DenseVector& x) -> Eigen::VectorXd {
-    DenseVector all = DenseVector::Zero(t.GT.rows());
-    all.head(kRows) = x;
-    return t.vectors.contact(t.local(all));
-  };
+  const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
   Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
@@ -85,8 +81,7 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     const auto columns = [&](const DenseMatrix& X) {
       return [&t, X]() -> Eigen::MatrixXd {
         Eigen::MatrixXd mine(3 * t.vectors.numPairs(), X.cols());
-        DenseVector all = DenseVector::Zero(t.GT.rows());
-        for (Eigen::Index j = 0; j < X.cols(); ++j) all.head(kRows) = X.col(j), mine.col(j) = t.vectors.contact(t.local(all));
+        for (Eigen::Index j = 0; j < X.cols(); ++j) mine.col(j) = t.contactPart(X.col(j));
         return mine;
       };
     };

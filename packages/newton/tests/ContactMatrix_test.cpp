@@ -103,11 +103,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
   DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   M.topLeftCorner(n, n) = P * t.contactM() * P;
-  const auto contactPart = [&](const DenseVector& x) -> Eigen::VectorXd {
-    DenseVector all = DenseVector::Zero(t.GT.rows());
-    all.head(n) = x;
-    return t.vectors.contact(t.local(all));
-  };
+  const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   const Eigen::Vector3d held(1, 0.5, 1e-9);
   const ContactMatrix::Blocks one(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), K(t.dual.pairs.size(), held.asDiagonal());
   const DenseVector expected = numbers(n, 0.4) + 1e3 * J.col(1);
@@ -172,11 +168,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, LeavesFreeMotionsWhereTheyAre) {
   const DenseMatrix P = DenseMatrix::Identity(n, n) - slide * slide.transpose() / slide.squaredNorm();
   DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   M.topLeftCorner(n, n) = P * t.contactM() * P;
-  const auto contactPart = [&](const DenseVector& x) -> Eigen::VectorXd {
-    DenseVector all = DenseVector::Zero(t.GT.rows());
-    all.head(n) = x;
-    return t.vectors.contact(t.local(all));
-  };
+  const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   const Eigen::Vector3d held(1, 0.5, 0);
   const DenseVector bent = P * numbers(n, 0.4), b = M.topLeftCorner(n, n) * bent + held.replicate(kGroups, 1).cwiseProduct(bent);
   const ContactMatrix::Blocks one(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), K(t.dual.pairs.size(), held.asDiagonal());

@@ -28,6 +28,12 @@ struct Scene : Parts {
     for (int i = 0; i < kGroups; ++i) all.push_back({3 * i, {3 * i + 1, 3 * i + 2}, setup.d.friction, 0, FrictionLaw::Coulomb, false});
     wholeLaw = linearizeLaw(all, lambda.head(3 * kGroups), s.head(3 * kGroups), Eigen::VectorXd::Constant(kGroups, kPenalty));
   }
+  /// This rank's part of contact values [3 x kGroups]
+  Eigen::VectorXd contactPart(const DenseVector& x) const {
+    DenseVector all = DenseVector::Zero(GT.rows());
+    all.head(3 * kGroups) = x;
+    return vectors.contact(local(all));
+  }
   DenseMatrix contactM() const { return setup.d.M.topLeftCorner(3 * kGroups, 3 * kGroups); }
   /// (M (s_E, 0))_c
   DenseVector forcesOfGluing() const { return setup.d.M.topRightCorner(3 * kGroups, kGluing) * s.tail(kGluing); }
