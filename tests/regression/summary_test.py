@@ -93,8 +93,7 @@ class Summary(SceneTest):
                 self.assertEqual(len(sent[name]), ranks)
                 self.assertTrue(all((number > 0) == (ranks > 1) for number in sent[name]), sent[name])
             largest = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / (2 ** 20 if platform.system() == "Darwin" else 2 ** 10)
-            most = float("inf") if "ASAN_OPTIONS" in os.environ else 2000  # AddressSanitizer takes more by itself
-            self.assertTrue(all(10 < peak < most and peak <= 1.01 * largest for peak in summary["memory"]["peak_rss_mb"]), largest)
+            self.assertTrue(all(10 < peak < 2000 and peak <= 1.01 * largest for peak in summary["memory"]["peak_rss_mb"]), largest)
             self.assertTrue(summary["model"]["left_out"] and all(isinstance(t, str) for t in summary["model"]["left_out"]))
             self.assertEqual(len(summary["contact"]["joint"]["tangential_force"]), 3)
             self.assertGreater(len(summary["solver"]["history"]), 0)

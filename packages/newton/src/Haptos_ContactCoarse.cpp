@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactCoarse.hpp"
 
-#include <Eigen/LU>
-
 #include "Haptos_StackedQr.hpp"
 
 namespace Haptos {
@@ -63,17 +61,13 @@ TwoLevelPreconditioner::TwoLevelPreconditioner(const ContactCoarse& coarse, Cont
     : coarse_(coarse), M_(std::move(M)) {}
 
 // Z is what takes products.  Any is good that is about what the law lets of Q.
-void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B) {
+void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, ContactCoarse::Blocks inverse) {
   constexpr double kFew = 0.05;  // of the pairs
   ContactCoarse::Blocks free;
   const Eigen::VectorXd& D = coarse_.diagonal();
   const DualVectors& vectors = coarse_.vectors();
-  inverse_.clear();
-  for (std::size_t i = 0; i < A.size(); ++i) {
-    const Eigen::Matrix3d AD = A[i] * D.segment<3>(3 * Eigen::Index(i)).asDiagonal();
-    inverse_.push_back((AD + B[i]).inverse());
-    free.push_back(inverse_.back() * AD);
-  }
+  inverse_ = std::move(inverse);
+  for (std::size_t i = 0; i < A.size(); ++i) free.push_back(inverse_[i] * A[i] * D.segment<3>(3 * Eigen::Index(i)).asDiagonal());
   Eigen::Vector2d changed(isMade_ ? double(numChanged(free_, free)) : 0.0, double(free.size()));
   vectors.sum(changed);
   if (!isMade_ || changed[0] > kFew * changed[1]) {

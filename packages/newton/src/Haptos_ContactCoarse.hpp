@@ -54,8 +54,8 @@ class TwoLevelPreconditioner {
   /// \param coarse stays with the caller
   TwoLevelPreconditioner(const ContactCoarse& coarse, ContactCoarse::Product M);
 
-  /// \brief For another system; products with M are made where many pairs have changed.  Collective.
-  void renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B);
+  /// \brief For another system; products with M are made where many pairs have changed.  \param inverse P_1.  Collective.
+  void renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, ContactCoarse::Blocks inverse);
 
   Eigen::VectorXd apply(const Eigen::VectorXd& r) const;  ///< Collective: one reduction
 

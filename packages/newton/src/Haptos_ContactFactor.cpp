@@ -4,18 +4,6 @@
 #include <limits>
 
 namespace Haptos {
-namespace {
-
-// Combinations of motions that B resists, by its images of them; others (a coefficient 0) stay where they are.
-Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
-  constexpr double kNothing = 1e-13;
-  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
-  const RightSvd svd(images);
-  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
-}
-
-}  // namespace
-
 // The rest of (A M + B) d = b, G = A (M + sigma N N^T) + B being regular where only B resists the kernel N:
 //
 //   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b   for those N that B resists,

@@ -140,7 +140,7 @@ Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const 
     equations.known = {kernel_ * T, images * T};
   }
   while (dense_.size() == 0) {
-    auto solution = coarse_ ? solveByCoarse(equations, A, B, b) : equations.solveByGmres(vectors_, b);
+    auto solution = coarse_ ? solveByCoarse(equations, A, B, inverse, b) : equations.solveByGmres(vectors_, b);
     if (mayStay(solution)) return std::move(solution.x);
   }
   const Eigen::MatrixXd blocks = blocksOfAll(A, B);
@@ -149,8 +149,9 @@ Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const 
   return direct ? *direct : equations.solveByGmres(vectors_, b).x;
 }
 
-ContactEquations::Solution ContactMatrix::solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
-  twoLevel_->renew(A, B);
+ContactEquations::Solution ContactMatrix::solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Blocks& inverse,
+                                                       const Eigen::VectorXd& b) const {
+  twoLevel_->renew(A, B, inverse);
   equations.preconditioner = [this](const Eigen::VectorXd& r) { return twoLevel_->apply(r); };
   return equations.solveByGmres(vectors_, b);
 }

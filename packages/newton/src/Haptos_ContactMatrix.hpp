@@ -86,7 +86,8 @@ class ContactMatrix {
   std::unique_ptr<const ContactFactor> factorByForces(const Eigen::MatrixXd& blocks) const;
   void makeCompliance() const;
   ContactEquations symmetricEquations(const Blocks& K) const;
-  ContactEquations::Solution solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  ContactEquations::Solution solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Blocks& inverse,
+                                           const Eigen::VectorXd& b) const;
 
   RCP<const Operator> M_;
   std::function<Eigen::MatrixXd()> makeWhole_, makeSmooth_;

@@ -6,17 +6,21 @@
 namespace Haptos {
 namespace {
 
-// Motions of the kernel that B resists: others (a coefficient 0) would have a column of nothing.
-Eigen::MatrixXd heldBy(const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks) {
-  constexpr double kNothing = 1e-13;
-  if (kernel.cols() == 0) return kernel;
-  Eigen::MatrixXd images(kernel.rows(), kernel.cols());
-  for (Eigen::Index at = 0; at < kernel.rows(); at += 3) images.middleRows<3>(at) = blocks.block<3, 3>(at, 3) * kernel.middleRows<3>(at);
-  const RightSvd svd(images);
-  return kernel * svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
+// B X, three rows of `blocks` a pair
+Eigen::MatrixXd timesB(const Eigen::MatrixXd& blocks, const Eigen::MatrixXd& X) {
+  Eigen::MatrixXd BX(X.rows(), X.cols());
+  for (Eigen::Index at = 0; at < X.rows(); at += 3) BX.middleRows<3>(at) = blocks.block<3, 3>(at, 3) * X.middleRows<3>(at);
+  return BX;
 }
 
 }  // namespace
+
+Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
+  constexpr double kNothing = 1e-13;
+  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
+  const RightSvd svd(images);
+  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
+}
 
 bool ForceFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
   for (Eigen::Index k = 0; k < 3; ++k)
@@ -29,7 +33,7 @@ bool ForceFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
 //   (A + B C)_SS f_S + (B N)_S a = (b - (A + B C) f_K)_S,   N_S^T f_S = - N_K^T f_K,
 //
 // as forces on a motion that M does not feel are in balance.
-ForceFactor::ForceFactor(const Eigen::MatrixXd& C, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks) : C_(C), kernel_(heldBy(kernel, blocks)), blocks_(blocks) {
+ForceFactor::ForceFactor(const Eigen::MatrixXd& C, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks) : C_(C), kernel_(kernel * heldBy(timesB(blocks, kernel))), blocks_(blocks) {
   for (Eigen::Index row = 0; row < C_.rows(); ++row)
     if (C_(row, row) > 0) (isKnown(blocks_, row) ? known_ : unknown_).push_back(row);
   if (unknown_.empty() && kernel_.cols() == 0) return;

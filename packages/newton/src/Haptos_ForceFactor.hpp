@@ -7,6 +7,9 @@
 
 namespace Haptos {
 
+/// \brief Combinations of motions that B resists, by its images of them [any x k]; others (a coefficient 0) stay where they are.
+Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images);
+
 /// \brief (A M + B) d = b by forces f = M d, d = C f + N a: an LU of the rows alone whose force no pair tells by itself.  Serial.
 ///
 /// Where most pairs are open that is a small part of M.  Vectors have all contact values [n], three a pair.
