@@ -75,29 +75,31 @@ class DeflatedContactBlock final : public Operator {
 
 // How many columns there would be is known before they are made, and the same on all ranks.
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
-                                                                      int largestSpectrum) {
-  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base, slender, largestSpectrum));
-  long mine = 0;
-  for (const auto& motions : result->motions_) mine += motions.cols();
-  if (sumOfAll(*base->getRangeMap()->getComm(), mine) > kLargest) return {};
+                                                                      const Spectra& spectra) {
+  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
+  if (!result->findMotions(slender, spectra) || result->numMotions() > kLargest) return {};
   result->assemble();
   return result;
 }
 
-DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender, int largestSpectrum)
-    : base_(std::move(base)), HZ_(boundaryUnknowns()), CHZ_(boundaryUnknowns()) {
-  findMotions(slender, largestSpectrum);
+DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base)
+    : base_(std::move(base)), HZ_(boundaryUnknowns()), CHZ_(boundaryUnknowns()) {}
+
+long DeflatedPreconditioner::numMotions() const {
+  long mine = 0;
+  for (const auto& motions : motions_) mine += motions.cols();
+  return sumOfAll(*getRangeMap()->getComm(), mine);
 }
 
 // Rigid motions of every subdomain, on its boundary unknowns, and soft ones: those of slender ones take the dense S apart into L^T L for
 // good, as S itself has lost the energies of soft motions to round-off, L has not.  Of others those that moving copies apart makes stiff.
-void DeflatedPreconditioner::findMotions(const std::vector<char>& slender, int largestSpectrum) {
+bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const Spectra& spectra) {
   const LocalSystems& systems = base_->systems();
   motions_.resize(std::size_t(systems.size()));
   L_.resize(std::size_t(systems.numClasses()));
   std::vector<Eigen::MatrixXd> S(L_.size());
   const auto isSlender = [&](int c) { return slender[std::size_t(systems.members()[std::size_t(c)].front())] != 0; };
-  const auto hasSpectrum = [&](int c) { return !isSlender(c) && int(base_->surface().boundary(c).size()) <= largestSpectrum; };
+  const auto hasSpectrum = [&](int c) { return !isSlender(c) && int(base_->surface().boundary(c).size()) <= spectra.largestBoundary; };
   bool mine = false;
   for (int c = 0; c < systems.numClasses(); ++c) mine = mine || hasSpectrum(c);
   const bool any = anyOfAll(*getRangeMap()->getComm(), mine);
@@ -114,7 +116,7 @@ void DeflatedPreconditioner::findMotions(const std::vector<char>& slender, int l
     }
     if (any) S[std::size_t(c)] = std::move(Sc);
   }
-  if (any) takeSpectralModes(findSpectralModes(S));
+  return !any || takeSpectralModes(findSpectralModes(S, spectra), spectra);
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
@@ -132,13 +134,14 @@ Eigen::MatrixXd DeflatedPreconditioner::denseOf(int congruenceClass) const {
 }
 
 // [local subdomains] of those that are not slender.  Congruent ones among the same neighbours have the same modes: energies are compared by their
-// products with one vector.
-std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::vector<Eigen::MatrixXd>& S) const {
+// products with one vector.  Ends where this rank alone has too many that are too stiff to be left out.
+std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const {
   constexpr double kAlike = 1e-10;
   const LocalSystems& systems = base_->systems();
   std::vector<SpectralModes> spectral(motions_.size());
   const NeighbourStiffness neighbours(*base_, S);
-  for (std::size_t c = 0; c < S.size(); ++c) {
+  long stiffest = 0;
+  for (std::size_t c = 0; c < S.size() && stiffest <= wanted.most; ++c) {
     if (S[c].size() == 0 || L_[c].size() > 0) continue;
     const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S[c].rows(), 1, 2);
     std::vector<std::pair<Eigen::VectorXd, int>> known;
@@ -148,22 +151,27 @@ std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::
       const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
       spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S[c], energy, rigidMotions(i), kStiffer);
       if (same == known.end()) known.emplace_back(print, i);
+      stiffest += (spectral[std::size_t(i)].theta.array() > wanted.stiffestLeft).count();
     }
   }
   return spectral;
 }
 
 // Where there are too many, those that matter least are left out, by one bound for all ranks.
-void DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral) {
+bool DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted) {
+  constexpr double kStep = 1.25;
+  const long most = std::max(0L, std::min(wanted.most, kLargest - numMotions()));
   double bound = kStiffer;
   const auto above = [&](const SpectralModes& s) { return (s.theta.array() > bound).count(); };
-  for (;; bound *= 2) {
+  for (;; bound *= kStep) {
+    if (bound > wanted.stiffestLeft) return false;
     long mine = 0;
     for (const auto& s : spectral) mine += above(s);
-    if (sumOfAll(*getRangeMap()->getComm(), mine) <= kMostSpectral) break;
+    if (sumOfAll(*getRangeMap()->getComm(), mine) <= most) break;
   }
   for (std::size_t i = 0; i < spectral.size(); ++i)
     if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i])), motions_[i]);
+  return true;
 }
 
 // t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there: averaged motions are on few

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <limits>
 #include <memory>
 
 #include "Haptos_DenseDecompositions.hpp"
@@ -29,15 +30,24 @@ class DeflatedPreconditioner final : public Operator {
   static constexpr int kUsualSpectrum = 1000, kLargestSpectrum = 5000;
   /// And of slender ones, of which all eigenvectors are made: 3 s at 2000 unknowns (decisions/016).
   static constexpr int kLargestSlender = 2000;
-  static constexpr long kMostSpectral = 2000;  ///< columns that are spectral modes
+  static constexpr long kMostRigid = 2000;  ///< columns that are rigid motions, for spectral modes to come beside them
 
-  /// \brief Null where Z would have more than `kLargest` columns.  Collective.
+  /// \brief Which spectral modes are looked for: by default as many as are likely to pay for themselves.
+  struct Spectra {
+    int largestBoundary = kUsualSpectrum;  ///< in subdomains with so many unknowns that rows touch, or fewer
+    long most = 2000;                      ///< of all subdomains, the stiffest ones
+    /// If that leaves out stiffer ones there are none: what is left is as bad as S of a capped Poisson's ratio, which is cheap (decisions/050).
+    double stiffestLeft = 8;
+    /// \brief As many as Z can have, however stiff those are that it cannot: where nothing else leads to an answer.
+    static Spectra atAnyPrice() { return {kLargestSpectrum, kLargest, std::numeric_limits<double>::infinity()}; }
+  };
+
+  /// \brief Null where Z would have more than `kLargest` columns, or more spectral modes than are wanted.  Collective.
   ///
   /// \param slender [local subdomains] those whose soft motions are looked for; `base` must have their S in double
   /// precision, since soft motions live in its last digits.
-  /// \param largestSpectrum unknowns of the boundary of others up to which spectral modes are looked for
   static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
-                                                int largestSpectrum = kUsualSpectrum);
+                                                const Spectra& spectra);
 
   RCP<const Map> getDomainMap() const override { return base_->getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return base_->getRangeMap(); }
@@ -62,12 +72,13 @@ class DeflatedPreconditioner final : public Operator {
   long applications() const { return applications_; }
 
  private:
-  DeflatedPreconditioner(RCP<const DualPreconditioner> base, const std::vector<char>& slender, int largestSpectrum);
-  void findMotions(const std::vector<char>& slender, int largestSpectrum);
+  explicit DeflatedPreconditioner(RCP<const DualPreconditioner> base);
+  bool findMotions(const std::vector<char>& slender, const Spectra& spectra);
+  long numMotions() const;
   Eigen::MatrixXd rigidMotions(int subdomain) const;
   Eigen::MatrixXd denseOf(int congruenceClass) const;
-  std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S) const;
-  void takeSpectralModes(const std::vector<SpectralModes>& spectral);
+  std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const;
+  bool takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted);
   void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;

@@ -20,7 +20,7 @@ struct Setup : HeldBeams {
 
   explicit Setup(double height) : HeldBeams(height) {
     for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub.coordinates));
-    deflated = DeflatedPreconditioner::make(M, slender);
+    deflated = DeflatedPreconditioner::make(M, slender, {});
   }
 
   // Columns of G^T on all ranks.
@@ -85,6 +85,25 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
       TEST_ASSERT(std::abs(between(i, j) - Z(i, j)) <= 1e-10 * largest(Z));
     }
   TEST_ASSERT(compared > 0);
+}
+
+// Few spectral modes where few are wanted, none at all where those that are left out are too stiff.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheStiffestModes) {
+  const Setup t(0.2);
+  const int rigid = 6 * t.scene.partition.count, spectral = t.deflated->numCoarse() - rigid;
+  TEST_COMPARE(spectral, >, 4);
+  const auto with = [&](long most, double stiffestLeft) {
+    DeflatedPreconditioner::Spectra wanted;
+    wanted.most = most;
+    wanted.stiffestLeft = stiffestLeft;
+    return DeflatedPreconditioner::make(t.M, t.slender, wanted);
+  };
+  const auto few = with(spectral / 2, 1e300);
+  TEST_COMPARE(few->numCoarse(), <=, rigid + spectral / 2);
+  TEST_COMPARE(few->numCoarse(), >, rigid);
+  TEST_EQUALITY(with(spectral, 4.5)->numCoarse(), rigid + spectral);
+  TEST_ASSERT(with(spectral / 2, 4.5).is_null());
+  out << spectral << " spectral modes, " << few->numCoarse() - rigid << " of them where half are wanted\n";
 }
 
 // Every third row that a rank has, and one that is not there.

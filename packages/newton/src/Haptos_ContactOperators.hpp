@@ -38,8 +38,10 @@ struct ContactOperators {
     /// Makes jumps of pairs that vary slowly over the surfaces [3 x owned pairs x any], by (N, T1, T2), maybe dependent; empty: there are none.  Collective.
     std::function<Eigen::MatrixXd()> smoothJumps{};
   };
-  /// Makes one, at a price, or none (M null); empty: there is none.  Collective.
-  std::function<Deflated()> makeDeflatedM;
+  enum class Price { Usual, Any };
+  /// Makes one, or none (M null): at the usual price where it is likely to pay for itself, at any where nothing else has led to an answer.  Empty:
+  /// there is none.  Collective.
+  std::function<Deflated(Price)> makeDeflatedM;
   bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
   bool mayNeedDeflatedM = false;      ///< it is likely to be: a slow way is not followed to its end
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows

@@ -10,13 +10,15 @@ DirectionChoice::DirectionChoice(const ContactOperators& dual, const Eigen::Vect
       diagonalOfMcc_(vectors.contact(diagonalOfM)),
       options_(options.condensed),
       balanced_(dual, diagonalOfM, vectors, balance, options.balanced) {
-  mayCondense_ = dual.makeDeflatedM && vectors.sum(double(vectors.numPairs())) > 0;
+  if (dual.makeDeflatedM && vectors.sum(double(vectors.numPairs())) > 0) offer_ = Offer::Usual;
 }
 
+// M_Z is made once: what it cannot do now it cannot do later.
 bool DirectionChoice::condense() {
-  if (!mayCondense_) return isCondensed();
-  mayCondense_ = false;  // M_Z is made at a price, and once: what it cannot do now it cannot do later
-  const auto deflated = dual_.makeDeflatedM();
+  if (offer_ == Offer::None) return isCondensed();
+  const bool isUsual = offer_ == Offer::Usual;
+  const auto deflated = dual_.makeDeflatedM(isUsual ? ContactOperators::Price::Usual : ContactOperators::Price::Any);
+  offer_ = isUsual && deflated.M.is_null() ? Offer::AnyPrice : Offer::None;
   if (deflated.M.is_null()) return false;
   condensed_ = std::make_unique<CondensedDirection>(deflated, dual_, balance_, diagonalOfMcc_, deflated.stiffness * balanced_.pairStiffness(), options_);
   return true;

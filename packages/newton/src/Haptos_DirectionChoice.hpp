@@ -18,11 +18,14 @@ class DirectionChoice {
   const Eigen::VectorXd& pairStiffness() const { return condensed_ ? condensed_->pairStiffness() : balanced_.pairStiffness(); }
 
   /// \brief Whether condensed directions were not asked for and could be had: there is a better M.
-  bool mayCondense() const { return mayCondense_; }
+  bool mayCondense() const { return offer_ == Offer::Usual; }
+  /// \brief Whether they were too dear, or were not asked for: still to be had where there is no other way.
+  bool mayCondenseAtAnyPrice() const { return offer_ != Offer::None; }
   bool isCondensed() const { return condensed_ != nullptr; }
 
-  /// \brief From now on directions are condensed, if they can be; then `pairStiffness` is theirs.  \return whether they are.
-  /// Collective.
+  /// \brief From now on directions are condensed, if they can be; then `pairStiffness` is theirs.  The second time at any price.
+  ///
+  /// \return whether they are.  Collective.
   bool condense();
 
  private:
@@ -32,7 +35,7 @@ class DirectionChoice {
   SubspaceNewtonOptions::Condensed options_;
   BalancedDirection balanced_;
   std::unique_ptr<CondensedDirection> condensed_;
-  bool mayCondense_ = false;
+  enum class Offer { None, AnyPrice, Usual } offer_ = Offer::None;
 };
 
 }  // namespace Haptos

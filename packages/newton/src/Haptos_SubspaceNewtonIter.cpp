@@ -207,7 +207,7 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  const bool isOnPlateau = isPoor() && directions_.mayCondense() && !hasMorePenalties() && !isNearlyThere(limits);
+  const bool isOnPlateau = isPoor() && directions_.mayCondense() && !isNearlyThere(limits);
   return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || isOnPlateau;
 }
 
@@ -237,7 +237,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
     if (done || applications() >= limits.maxApplications) break;
     noteHalving();
     if (isStuck(limits)) {
-      stop = directions_.mayCondense() ? NewtonStop::Plateau : NewtonStop::Stalled;
+      stop = directions_.mayCondenseAtAnyPrice() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
     if (isPoor()) leavePlateau(state);

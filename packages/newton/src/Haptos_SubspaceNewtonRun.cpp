@@ -103,7 +103,8 @@ NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Le
 SubspaceNewtonRun::LevelsEnd SubspaceNewtonRun::runLevels(const FrictionLevels& levels) {
   LevelsEnd end;
   for (const auto& law : levels.laws) {
-    end.isPlateau = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh && isFloating()) == NewtonStop::Plateau;
+    const NewtonStop stop = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh && isFloating());
+    end.isPlateau = stop == NewtonStop::Plateau && directions_.mayCondense();  // at any price only for the answer
     end.isFresh = false;
     if (end.isPlateau) break;
   }
@@ -121,11 +122,19 @@ void SubspaceNewtonRun::condense() {
 NewtonStop SubspaceNewtonRun::solveFromStart() {
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
   if (dual_.needsDeflatedM || policy.isElongated()) condense();
-  const NewtonStop stop = descend();
-  if (stop != NewtonStop::Plateau) return stop;
+  NewtonStop stop = descend();
+  while (stop == NewtonStop::Plateau) {
+    stop = leavePlateau(finalLevel(options_.continuation.patience));
+    if (stop == NewtonStop::Stalled && left() > 0) stop = descend();
+  }
+  return stop;
+}
+
+// By condensed directions, where they are too dear as before, until there is no other way.
+NewtonStop SubspaceNewtonRun::leavePlateau(const Level& level) {
   condense();
-  const NewtonStop fromHere = runLevel(dual_.pairs, finalLevel(options_.continuation.patience));
-  return fromHere == NewtonStop::Stalled && left() > 0 ? descend() : fromHere;
+  const NewtonStop stop = runLevel(dual_.pairs, level);
+  return stop == NewtonStop::Plateau ? leavePlateau(level) : stop;
 }
 
 // From the last step's multipliers, brought to today's loads, and with its pairs: these first, as most of what loads change lies
@@ -140,10 +149,7 @@ NewtonStop SubspaceNewtonRun::solveRenewed() {
   reference_ = std::max(reference_, vectors_.norm(state_.s));
   const Level level = finalLevel(options_.continuation.patience);
   NewtonStop stop = runLevel(dual_.pairs, level, subspace_.size() > 0);
-  if (stop == NewtonStop::Plateau) {
-    condense();
-    stop = runLevel(dual_.pairs, level);
-  }
+  if (stop == NewtonStop::Plateau) stop = leavePlateau(level);
   return stop == NewtonStop::Stalled && left() > 0 ? solveFromStart() : stop;
 }
 
@@ -188,9 +194,7 @@ NewtonStop SubspaceNewtonRun::solve() {
   refreshJumps();
   const Level level = finalLevel(options_.continuation.patienceFactorAtAnswer * options_.continuation.patience);
   const NewtonStop stop = runLevel(dual_.pairs, level);
-  if (stop != NewtonStop::Plateau) return stop;
-  condense();
-  return runLevel(dual_.pairs, level);
+  return stop == NewtonStop::Plateau ? leavePlateau(level) : stop;
 }
 
 // Pairs of before may have been what led astray; the other method's state has its balance by all rows, here gluing rows see to it.

@@ -59,6 +59,7 @@ class SubspaceNewtonRun {
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);
   void condense();
+  NewtonStop leavePlateau(const Level& level);
   NewtonStop solveFromStart();
   NewtonStop solveRenewed();
   NewtonStop descend();

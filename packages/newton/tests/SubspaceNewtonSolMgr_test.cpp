@@ -216,7 +216,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
       Setup t(makeContact(40, 30, floating, 4));
       ContactOperators o = t.operators();
       int made = 0;
-      o.makeDeflatedM = [&]() -> ContactOperators::Deflated {
+      o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated {
         ++made;
         return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
       };
@@ -240,12 +240,44 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
     }
 }
 
+// A better M that is too dear is not asked for again where the way leads on without it, and is where it ends.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, DearModelIsTheLastResort) {
+  for (const bool floating : {false, true})
+    for (const double range : {1.0, 1e8}) {
+      Setup t(makeContact(40, 30, floating, 4));
+      ContactOperators o = t.operators();
+      std::vector<ContactOperators::Price> asked;
+      o.makeDeflatedM = [&](ContactOperators::Price price) -> ContactOperators::Deflated {
+        asked.push_back(price);
+        if (price == ContactOperators::Price::Usual) return {};
+        return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
+      };
+      o.needsDeflatedM = true;
+      if (range > 1) {
+        const DenseVector exponents = DenseVector::LinSpaced(t.d.F.rows(), 0.0, std::log(range));
+        const DenseMatrix poor = exponents.array().exp().matrix().asDiagonal();
+        o.M = rcp(new DenseOperator(t.map, poor));
+        o.diagonalOfM = t.vectorOf(poor.diagonal());
+      }
+      Manager manager;
+      manager.setParameters(withTolerance(1e-9));
+      manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+      TEST_EQUALITY(manager.solve(), Belos::Converged);
+      const Kkt kkt = measure(t, manager);
+      out << (floating ? "floating" : "held") << ", range " << range << ": error " << kkt.error << ", applications " << t.F->applications << ", asked "
+          << asked.size() << " times\n";
+      TEST_COMPARE(kkt.error, <=, 1e-6);
+      TEST_EQUALITY(asked.size(), range > 1 ? 2u : 1u);
+      TEST_ASSERT(asked.front() == ContactOperators::Price::Usual && (range == 1) == (asked.back() == ContactOperators::Price::Usual));
+    }
+}
+
 // A model of a body that one direction leaves free may slide it along there as far as it likes: that must not turn what friction holds.
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, OneCoefficientMayBeZero) {
   for (const std::array<double, 2> friction : {std::array{0.0, 0.4}, {0.8, 0.0}}) {
     Setup t(makeContact(40, 30, true, 4, friction));
     ContactOperators o = t.operators();
-    o.makeDeflatedM = [&]() -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
     o.needsDeflatedM = true;
     Manager manager;
     manager.setParameters(withTolerance(1e-9));
@@ -308,7 +340,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RoundsOfPenaltiesEnd) {
   for (const bool floating : {false, true}) {
     Setup t(makeContact(12, 20, floating, 1));
     ContactOperators o = t.operators();
-    o.makeDeflatedM = [&]() -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
     o.needsDeflatedM = true;
     Manager manager;
     manager.setParameters(withTolerance(0.0));

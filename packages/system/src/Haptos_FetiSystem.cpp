@@ -179,18 +179,18 @@ void FetiSystem::findLargestBoundary() {
 // Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is
 // dense.
 bool FetiSystem::hasSpectra(int largestSpectrum) const {
-  return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedPreconditioner::kMostSpectral;
+  return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedPreconditioner::kMostRigid;
 }
 
 // Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
 // volume.
-RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(int largestSpectrum) const {
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedPreconditioner::Spectra& spectra) const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
   SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
-  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra(largestSpectrum));
+  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra(spectra.largestBoundary));
   const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
-  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_, largestSpectrum);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_, spectra);
 }
 
 }  // namespace Haptos

@@ -62,8 +62,7 @@ class FetiSystem {
   int largestBoundary() const { return largestBoundary_; }  ///< unknowns of any subdomain's boundary that rows touch
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
-  /// \param largestSpectrum see `DeflatedPreconditioner::make`
-  RCP<const DeflatedPreconditioner> makeDeflated(int largestSpectrum) const;
+  RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedPreconditioner::Spectra& spectra) const;
 
  private:
   static constexpr int kCheapSpectrum = 300;  ///< unknowns of a boundary: from the first step on only where dense S costs little (decisions/042)

@@ -97,7 +97,9 @@ void PcpgSolver::use(RCP<const Operator> M) {
 }
 
 void PcpgSolver::deflate() {
-  deflated_ = context_.system.makeDeflated(spectra_.back());
+  DeflatedPreconditioner::Spectra spectra;
+  spectra.largestBoundary = spectra_.back();
+  deflated_ = context_.system.makeDeflated(spectra);
   spectra_.pop_back();
   use(deflated_.is_null() ? RCP<const Operator>(context_.system.preconditioner()) : RCP<const Operator>(deflated_));
 }

@@ -18,7 +18,7 @@ namespace Haptos {
 namespace {
 
 // What Newton knows of a FETI system: F and M as operators, rows of G^T and the laws of pairs; no mesh, no subdomain.
-ContactOperators contactOperators(const FetiSystem& system, std::function<ContactOperators::Deflated()> makeDeflatedM) {
+ContactOperators contactOperators(const FetiSystem& system, decltype(ContactOperators::makeDeflatedM) makeDeflatedM) {
   const DualProblem& dual = system.dual();
   ContactOperators o;
   o.F = Teuchos::rcp(new CountedOperator(dual.F));
@@ -69,7 +69,7 @@ struct SubspaceNewtonSolver::Impl {
   Impl(SolverContext c, int maximumPairs)
       : context(std::move(c)),
         lambda(Teuchos::rcp(new MultiVector(context.start.is_null() ? *context.system.dual().lambdaIm : *context.start, Teuchos::Copy))),
-        problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this] { return makeDeflated(); }), lambda))) {
+        problem(Teuchos::rcp(new ContactProblem(contactOperators(context.system, [this](ContactOperators::Price price) { return makeDeflated(price); }), lambda))) {
     makeEstimator();
     SubspaceNewtonOptions options;
     options.maximumPairs = maximumPairs;
@@ -95,9 +95,11 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   // Of large parts only where elements are hard: ordinary ones pay three to five times the seconds for half of the multiplications (decisions/042).
-  ContactOperators::Deflated makeDeflated() {
+  ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
     using Made = DeflatedPreconditioner;
-    deflated = context.system.makeDeflated(context.system.model().isHard ? Made::kLargestSpectrum : Made::kUsualSpectrum);
+    Made::Spectra spectra;
+    if (context.system.model().isHard) spectra.largestBoundary = Made::kLargestSpectrum;
+    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : spectra);
     if (deflated.is_null()) return {};
     return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
             [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }};
