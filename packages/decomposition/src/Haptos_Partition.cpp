@@ -94,7 +94,7 @@ Portions portionsOf(const Communicator& comm, const ElementRange& own, const Dua
   const auto blocks = blocksOfPieces(pieces, parts, options);
   Portions portions;
   if (std::all_of(blocks.begin(), blocks.end(), [](int count) { return count == 1; })) {
-    portions.cuts = {pieces.ofElement, {}, pieces.sizes, parts, options.seed};
+    portions.cuts = {pieces.ofElement, pieces.sizes, parts, options.seed};
     portions.pieceOf.resize(parts.size());
     std::iota(portions.pieceOf.begin(), portions.pieceOf.end(), 0);
     return portions;
@@ -109,13 +109,6 @@ Portions portionsOf(const Communicator& comm, const ElementRange& own, const Dua
     portions.cuts.parts.insert(portions.cuts.parts.end(), shared.begin(), shared.end());
   }
   return portions;
-}
-
-// Of any material: a part of few of them is seldom flat, and what it takes from its neighbours is no loss.
-std::vector<char> findWeakElements(const Mesh& mesh) {
-  std::vector<char> isWeak;
-  for (const auto& block : mesh.blocks) isWeak.insert(isWeak.end(), block.numElements(), block.topology == Topology::Tet10);
-  return isWeak;
 }
 
 Partition asItComes(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Components& pieces,
@@ -135,8 +128,7 @@ Partition asItComes(const Communicator& comm, const OwnElements& own, const Dual
 // Subdomains are numbered portion after portion: every portion knows its first number without asking.
 Partition partitionGraph(const Communicator& comm, const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
                          const Components& pieces, int total, const PartitionOptions& options) {
-  Portions portions = portionsOf(comm, own, graph, centroids, pieces, total, options);
-  portions.cuts.needsDepth = options.needsDepth;
+  const Portions portions = portionsOf(comm, own, graph, centroids, pieces, total, options);
   Partition result;
   auto cut = cutOnRanks(comm, own, graph, centroids, portions.cuts, result.elementsCut);
   std::vector<int> first;
@@ -152,8 +144,7 @@ Partition partitionGraph(const Communicator& comm, const ElementRange& own, cons
 }
 
 Partition partitionMesh(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
-                        PartitionOptions options) {
-  options.needsDepth = findWeakElements(own.part.mesh);
+                        const PartitionOptions& options) {
   const int wanted = options.subdomains > 0 ? options.subdomains : std::max(bodies.pieces.count(), int(std::lround(idealCount(comm, own.part.mesh))));
   Partition result = options.method == PartitionMethod::Metis
                          ? partitionGraph(comm, own, graph, elementCentroids(own.part.mesh), bodies.pieces, wanted, options)

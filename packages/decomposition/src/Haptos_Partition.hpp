@@ -12,8 +12,6 @@ namespace Haptos {
 
 struct PartitionOptions : DecompositionOptions {
   std::vector<int> bricks;  ///< [this rank's elements], only for PartitionMethod::Bricks
-  /// [this rank's elements] quadratic with one pressure each, near incompressibility (`deepenParts`); empty: none is.  `partitionMesh` knows them.
-  std::vector<char> needsDepth;
   /// \name Elements that METIS gets at once: a piece up to `wholeUpTo` as a whole, a larger one in blocks of about `blockSize`.
   /// One rank holds some 500 bytes of each, and what METIS needs (doc/decisions).
   /// @{
@@ -37,7 +35,7 @@ struct Partition {
 /// is first cut into blocks by coordinates (`cutIntoBlocks`).  Bricks stay as they are.
 /// \throws InputError on all ranks if more subdomains are asked for than there are elements, or fewer than needed.
 Partition partitionMesh(const Communicator& comm, const OwnElements& own, const DualGraph& graph, const Bodies& bodies,
-                        PartitionOptions options);
+                        const PartitionOptions& options);
 
 /// \brief The same by METIS of elements that need be no mesh: `total` subdomains, shared out to the pieces.  Collective.
 ///

@@ -10,7 +10,6 @@
 #include <numeric>
 #include <stdexcept>
 
-#include "Haptos_DeepParts.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Fragments.hpp"
 #include "Haptos_Reductions.hpp"
@@ -120,8 +119,7 @@ std::vector<int> shareOut(const PiecesToCut& pieces, int ranks) {
 struct SentElement {
   Index element;
   std::array<double, 3> centroid;
-  int piece;
-  unsigned neighbours : 31, needsDepth : 1;
+  int piece, neighbours;
 };
 
 /// Rows of the graph on their way to the rank that cuts their piece.
@@ -134,14 +132,12 @@ struct SentRows {
 
 // Rows of a piece go to one rank; pieces of a single part stay where they are.
 SentRows rowsByRank(const ElementRange& own, const DualGraph& graph, const Coordinates& centroids,
-                    const PiecesToCut& pieces, const std::vector<int>& rankOf) {
+                    const std::vector<int>& pieceOf, const std::vector<int>& rankOf) {
   SentRows rows(own.elements.ranks);
-  const auto& pieceOf = pieces.ofElement;
   for (std::size_t e = 0; e < pieceOf.size(); ++e) {
     if (rankOf[pieceOf[e]] < 0) continue;
     const auto r = std::size_t(rankOf[pieceOf[e]]), begin = std::size_t(graph.offsets[e]), end = std::size_t(graph.offsets[e + 1]);
-    const bool needsDepth = !pieces.needsDepth.empty() && pieces.needsDepth[e] != 0;
-    rows.elements[r].push_back({own.firstElement() + Index(e), centroids[e], pieceOf[e], unsigned(end - begin) & 0x7fffffffU, needsDepth});
+    rows.elements[r].push_back({own.firstElement() + Index(e), centroids[e], pieceOf[e], int(end - begin)});
     rows.neighbours[r].insert(rows.neighbours[r].end(), &graph.neighbours[begin], &graph.neighbours[begin] + (end - begin));
     rows.couplings[r].insert(rows.couplings[r].end(), &graph.couplings[begin], &graph.couplings[begin] + (end - begin));
   }
@@ -168,7 +164,6 @@ std::map<int, GatheredPiece> gatherPieces(const Communicator& comm, SentRows row
       GatheredPiece& to = result[sent.piece];
       to.elements.push_back(sent.element);
       to.piece.centroids.push_back(sent.centroid);
-      to.piece.needsDepth.push_back(sent.needsDepth != 0);
       to.neighbours.insert(to.neighbours.end(), &neighbours[at], &neighbours[at] + sent.neighbours);
       to.couplings.insert(to.couplings.end(), &couplings[at], &couplings[at] + sent.neighbours);
       to.ends.push_back(Index(to.neighbours.size()));
@@ -211,7 +206,6 @@ PartsOfPiece cutPiece(const PieceToCut& piece) {
   fillEmptyParts(piece.graph, piece.parts, result.part);
   roundWithoutTeeth(piece, result.part);
   result.mended = mendParts(piece.graph, result.part);
-  deepenParts(piece.graph, piece.centroids, piece.needsDepth, result.part);
   return result;
 }
 
@@ -219,7 +213,7 @@ PartsOfPiece cutOnRanks(const Communicator& comm, const ElementRange& own, const
                         const Coordinates& centroids, const PiecesToCut& pieces, std::int64_t& elementsCut) {
   const auto rankOf = shareOut(pieces, comm.getSize());
   std::vector<std::vector<SentElement>> received;
-  auto gathered = gatherPieces(comm, rowsByRank(own, graph, centroids, pieces, rankOf), pieces, received);
+  auto gathered = gatherPieces(comm, rowsByRank(own, graph, centroids, pieces.ofElement, rankOf), pieces, received);
   std::map<int, std::vector<int>> partsOf;
   int mended = 0;
   runOnAllRanks(comm, [&] {

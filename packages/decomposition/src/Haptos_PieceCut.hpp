@@ -14,7 +14,6 @@ namespace Haptos {
 struct PieceToCut {
   DualGraph graph;                               ///< of its elements, by their place in the piece
   std::vector<std::array<double, 3>> centroids;  ///< [elements of the piece]
-  std::vector<char> needsDepth;                  ///< [elements of the piece], see `deepenParts`
   int parts = 1;                                 ///< at most one per element
   int seed = 1;                                  ///< METIS'
 };
@@ -24,13 +23,12 @@ struct PartsOfPiece {
   int mended = 0;         ///< fragments that were left disconnected and went to a neighbour
 };
 
-/// \brief METIS' k-way parts, made round (`roundParts`), connected (`mendParts`) and stiff (`deepenParts`).  Serial; the same on any rank.
+/// \brief METIS' k-way parts, made round (`roundParts`) and connected (`mendParts`).  Serial; the same on any rank.
 PartsOfPiece cutPiece(const PieceToCut& piece);
 
 /// \brief The pieces of all ranks; all but `ofElement` is the same on all.
 struct PiecesToCut {
   std::vector<int> ofElement;        ///< [this rank's elements] piece
-  std::vector<char> needsDepth;      ///< [this rank's elements], see `deepenParts`; empty: none does
   std::vector<std::int64_t> sizes;   ///< [pieces] elements
   std::vector<int> parts;            ///< [pieces] one of a single part is not cut
   int seed = 1;

@@ -10,8 +10,6 @@
 #include <set>
 
 #include "Haptos_BoxMesh.hpp"
-#include "Haptos_DeepParts.hpp"
-#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_RoundParts.hpp"
 #include "Haptos_SmoothWalls.hpp"
@@ -281,73 +279,6 @@ TEUCHOS_UNIT_TEST(Partition, MetisPartsAreRoundAndOfOneSize) {
     TEST_COMPARE(*most, <, 1.2 * 1728 / 20);
     TEST_COMPARE(spread, <, 1.1 * std::pow(1.0 / 20, 2.0 / 3) / 4);  // 1.1 times that of cubes of this volume
   }
-}
-
-// Six tetrahedra of a cell have their centroids in one plane; a cell that is a part of its own takes one from another.
-TEUCHOS_UNIT_TEST(DeepParts, LeavesNoPartFlat) {
-  const Mesh mesh = box({3, 3, 2}, Topology::Tet4);
-  const DualGraph graph = graphOf(mesh);
-  const auto x = elementCentroids(mesh);
-  std::vector<int> part;
-  for (int e = 0; e < 108; ++e) part.push_back(e / 6);
-  const auto cells = part;
-  deepenParts(graph, x, std::vector<char>(108, 0), part);
-  TEST_ASSERT(part == cells);
-  part[0] = 18;  // one alone
-  deepenParts(graph, x, std::vector<char>(108, 1), part);
-  auto wanted = cells;
-  wanted[0] = 18;
-  TEST_ASSERT(part != wanted);
-  for (int p = 0; p < 19; ++p) {
-    Eigen::MatrixXd d(3, 0);
-    for (int e = 0; e < 108; ++e)
-      if (part[std::size_t(e)] == p) {
-        d.conservativeResize(3, d.cols() + 1);
-        d.col(d.cols() - 1) = Eigen::Vector3d(x[std::size_t(e)].data());
-      }
-    TEST_COMPARE(d.cols(), >=, 4);
-    const Eigen::MatrixXd spread = d.colwise() - d.rowwise().mean();
-    TEST_COMPARE(SymmetricEigen3(spread * spread.transpose()).values[0], >, 1e-4);
-  }
-  int count = 0;
-  connectedComponents(graph, part, count);
-  TEST_EQUALITY(count, 19);
-}
-
-int flatParts(const Mesh& mesh, const Partition& partition) {
-  const auto x = elementCentroids(mesh);
-  int flat = 0;
-  for (int p = 0; p < partition.count; ++p) {
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-    double size = 0;
-    for (std::size_t e = 0; e < x.size(); ++e) {
-      if (partition.ofElement[e] != p) continue;
-      const Eigen::Vector3d point(x[e].data());
-      mean += point, squares += point * point.transpose(), ++size;
-    }
-    flat += SymmetricEigen3(squares - mean * mean.transpose() / size).values[0] < 1e-6;
-  }
-  return flat;
-}
-
-// METIS makes parts nearly as small; where nobody asks for depth they stay as they are.
-TEUCHOS_UNIT_TEST(DeepParts, WhereTheyAreAskedFor) {
-  const Mesh mesh = box({3, 3, 2}, Topology::Tet4);
-  int before = 0;
-  for (int seed = 1; seed <= 5; ++seed) {
-    const auto with = [&](std::size_t marked) {
-      PartitionOptions options = metis(16, seed);
-      options.needsDepth.assign(marked, 1);
-      return partitionGraph(alone, wholeMesh(mesh), graphOf(mesh), elementCentroids(mesh), bodiesOf(mesh).pieces, 16, options);
-    };
-    before += flatParts(mesh, with(0));
-    const Partition deep = with(108);
-    TEST_EQUALITY(flatParts(mesh, deep), 0);
-    TEST_EQUALITY(deep.count, 16);
-  }
-  out << before << " flat parts of 80\n";
-  TEST_COMPARE(before, >, 0);
 }
 
 // Halves that meet in a comb: the teeth are taken in.

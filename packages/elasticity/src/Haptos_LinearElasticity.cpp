@@ -130,16 +130,32 @@ void groupStresses(const Coordinates& coordinates, const ElementGroup& group, co
   }
 }
 
-// In the order of `Topology`: with four, HEX20 and HEX27 keep their order; others would lock, or their pressures oscillate.
-constexpr std::array<int, kNumTopologies> kPressureModes{1, 1, 4, 4, 1, 1, 1, 1, 1};
+// In the order of `Topology`: with 1, x, y and z HEX20 and HEX27 keep their order; others would lock, or their pressures oscillate.  WEDGE15 has 1 and z of
+// the reference cell: with 1 alone a layer of them has a motion without energy (decisions/051).
+constexpr std::array<int, kNumTopologies> kPressureModes{1, 1, 4, 4, 1, 1, 2, 1, 1};
 
-// 1, and where there are four x, y and z at the cubature points, made orthonormal by the modified Gram-Schmidt method.
+// BBar leaves div u as it is in a part of the bulk modulus, that of a material with this Poisson's ratio.  With single pressures alone layers would bend as if
+// volumes could change at will, at any nu; a cell of two wedges has a motion without energy with its two (decisions/051).
+constexpr std::array<double, kNumTopologies> kUnprojected{-1, -1, -1, -1, 0.35, -1, -0.5, -1, 0.35};
+
+// div u has the modulus c + 2/3 shear at every point and `projected` in its projection, together bulk.
+struct Volumetric {
+  double c, projected;
+};
+Volumetric volumetric(const ElasticModuli& moduli, Formulation formulation, double unprojected) {
+  const double c = 2 * moduli.shear * unprojected / (1 - 2 * unprojected);
+  if (formulation == Formulation::Standard || moduli.lambda <= c) return {moduli.lambda, 0.0};
+  return {c, moduli.bulk - (c + 2.0 / 3.0 * moduli.shear)};
+}
+
+// At the cubature points, made orthonormal by the modified Gram-Schmidt method.
 template <class Shape>
 void setModes(const NodeColumns<Shape>& x, const ReferenceElement& rule, int count, ElementGradients<Shape>& result) {
   auto& modes = result.modes;
   modes.resize(rule.numPoints(), count);
   for (int i = 0; i < count; ++i) {
     if (i == 0) modes.col(0).setOnes();
+    else if (count == 2) modes.col(i) = rule.points.row(2).transpose();
     else modes.col(i) = (x.row(i - 1) * rule.values).transpose();
     for (int k = 0; k < i; ++k) modes.col(i) -= modes.col(k).cwiseProduct(result.volumes).dot(modes.col(i)) * modes.col(k);
     modes.col(i) /= std::sqrt(modes.col(i).cwiseAbs2().dot(result.volumes));
@@ -181,19 +197,19 @@ ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const E
         inverseTranspose * asColumns<Shape>(rule.gradients.col(p).data(), n);
     result.volumes(p) = rule.weights(p) * determinant;
   }
+  result.unprojected = kUnprojected[std::size_t(group.topology)];
   if constexpr (Shape::numNodes == Eigen::Dynamic) setModes<Shape>(x, rule, kPressureModes[std::size_t(group.topology)], result);
   return result;
 }
 
 // With M_ab = integral of grad N_a (x) grad N_b, the block of nodes a and b is
 //   K_ab = c M_ab + shear (M_ab^T + tr(M_ab) I),            c = lambda,
-// and for BBar, whose volumetric part is bulk q_a (x) q_b with q_a = integral of psi grad N_a summed over the modes psi, c = -2/3 shear;
-// linear elements have psi = 1 / sqrt(V).
+// and for BBar, whose volumetric part is bulk q_a (x) q_b with q_a = integral of psi grad N_a summed over the modes psi, c = -2/3 shear,
+// or a part of both (`volumetric`); linear elements have psi = 1 / sqrt(V).
 template <class Shape>
 void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                       Formulation formulation, ElementMatrix<Shape>& stiffness) {
-  const bool bbar = formulation == Formulation::BBar;
-  const double c = bbar ? -2.0 / 3.0 * moduli.shear : moduli.lambda;
+  const auto [c, projected] = volumetric(moduli, formulation, gradients.unprojected);
 
   // Scaled by square roots, M = S S^T is symmetric to the last digit, and so is K.
   const decltype(gradients.at) s = gradients.at * gradients.volumes.cwiseSqrt().asDiagonal();
@@ -213,26 +229,25 @@ void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticMod
       k.diagonal().array() += moduli.shear * block.trace();
       stiffness.template block<3, 3>(3 * a, 3 * b) = k;
     }
-  if (!bbar) return;
+  if (projected == 0) return;
   if constexpr (Shape::numNodes == Eigen::Dynamic) {
     for (int i = 0; i < gradients.modes.cols(); ++i) {
-      const ElementVector<Shape> q = gradients.at * gradients.volumes.cwiseProduct(gradients.modes.col(i)) * std::sqrt(moduli.bulk);
+      const ElementVector<Shape> q = gradients.at * gradients.volumes.cwiseProduct(gradients.modes.col(i)) * std::sqrt(projected);
       stiffness += q.lazyProduct(q.transpose());
     }
     return;
   }
   const ElementVector<Shape> q =
-      gradients.at * gradients.volumes * std::sqrt(moduli.bulk / gradients.volumes.sum());
+      gradients.at * gradients.volumes * std::sqrt(projected / gradients.volumes.sum());
   stiffness += q.lazyProduct(q.transpose());
 }
 
 // f_a = sum over points of V_p sigma_p grad N_a(p), sigma_p from h = sum_a u_a (x) grad N_a; for BBar the deviator there and the
-// pressure bulk P(div u), P the projection on the modes: the same K u without K.
+// pressure bulk P(div u), P the projection on the modes, or a part of both: the same K u without K.
 template <class Shape>
 ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                                   Formulation formulation, const ElementVector<Shape>& displacement) {
-  const bool bbar = formulation == Formulation::BBar;
-  const double c = bbar ? -2.0 / 3.0 * moduli.shear : moduli.lambda;
+  const auto [c, projected] = volumetric(moduli, formulation, gradients.unprojected);
   const int n = gradients.numNodes();
   const auto u = asColumns<Shape>(displacement.data(), n);
   NodeColumns<Shape> force = NodeColumns<Shape>::Zero(3, n);
@@ -245,12 +260,12 @@ ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, cons
     dilatations(p) = gradients.volumes(p) * h.trace();
   }
   ElementVector<Shape> result = Eigen::Map<const ElementVector<Shape>>(force.data(), 3 * n);
-  if (bbar) {
+  if (projected != 0) {
     if constexpr (Shape::numNodes == Eigen::Dynamic) {
-      const auto pressure = (moduli.bulk * gradients.modes * (gradients.modes.transpose() * dilatations)).eval();
+      const auto pressure = (projected * gradients.modes * (gradients.modes.transpose() * dilatations)).eval();
       result += gradients.at * gradients.volumes.cwiseProduct(pressure);
     } else {
-      const double pressure = moduli.bulk * dilatations.sum() / gradients.volumes.sum();
+      const double pressure = projected * dilatations.sum() / gradients.volumes.sum();
       result += pressure * (gradients.at * gradients.volumes);
     }
   }

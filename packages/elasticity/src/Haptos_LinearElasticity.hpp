@@ -27,10 +27,11 @@ struct ElasticModuli {
 ElasticModuli elasticModuli(const IsotropicMaterial& material);
 
 /// \brief Standard: eps = sym grad u.  BBar: its trace is replaced by its mean over the element, in HEX20 and HEX27 by its best
-/// linear approximation.
+/// linear approximation, in WEDGE15 by its best one on 1 and z of the reference cell; in TETRA10 and PYRAMID13 for that part of the bulk modulus
+/// which a material of nu = .35 has not, in WEDGE15 of nu = -.5.
 ///
 /// BBar (T. J. R. Hughes, Int. J. Numer. Meth. Engng 15 (1980) 1413) frees Hex8 and the quadratic elements from volumetric locking
-/// near nu = 1/2 (doc/decisions/027).  On Tet4 the two are the same; Wedge6 and Pyramid5 it does not free.
+/// near nu = 1/2 (doc/decisions/032, 051).  On Tet4 the two are the same; Wedge6 and Pyramid5 it does not free.
 enum class Formulation { Standard, BBar };
 
 /// \name Sizes of an element with its stiffness rule, fixed for the most frequent ones and at run time for all others
@@ -71,6 +72,8 @@ struct ElementGradients {
   Eigen::Matrix<double, Shape::numPoints, 1, Eigen::ColMajor, Shape::maxPoints, 1> volumes;  ///< w_p det J_p > 0
   /// [numPoints x modes] what BBar projects div u on, orthonormal with the weights `volumes`; left out for fixed sizes: a constant
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, AnyShape::maxPoints, 4> modes;
+  /// BBar leaves div u as it is in a part of the stiffness, that of a material with this Poisson's ratio; -1: in none
+  double unprojected = -1;
 
   int numNodes() const { return int(at.rows()) / 3; }
   int numPoints() const { return int(at.cols()); }

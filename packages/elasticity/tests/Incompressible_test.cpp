@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Elements near incompressibility: a thick cylinder under internal pressure (Lame) and a clamped block that is sheared (Cook).
+// Elements near incompressibility: a thick cylinder under internal pressure (Lame), a clamped block that is sheared (Cook), and a plate that bends.
 #include <Teuchos_UnitTestHarness.hpp>
 #include <cmath>
 
+#include "DenseAlgebra.hpp"
 #include "ElasticityFixtures.hpp"
 #include "Haptos_NodalLoads.hpp"
 
@@ -123,6 +124,45 @@ TEUCHOS_UNIT_TEST(Incompressible, CooksMembrane) {
     TEST_COMPARE(std::abs(freed - 18.5), <, 0.02 * 18.5);
     TEST_COMPARE(locked, <, 17.0);
   }
+}
+
+// A clamped plate 4 x 2 x .3, one brick thick, with a load on top: bending changes volumes above and below its middle.
+double plate(Topology topology, int n, double nu) {
+  const Mesh straight = withElements(cubeOfHexahedra({2 * n, n, 1}), topology);
+  const Solid solid = solidOf(straight, [](std::array<double, 3> x) { return std::array<double, 3>{4 * x[0], 2 * x[1], 0.3 * x[2]}; });
+  VectorXd f = VectorXd::Zero(3 * Eigen::Index(solid.coordinates.size()));
+  for (const auto& group : solid.groups)
+    addTraction(solid.coordinates, group, sidesWhere(group, straight, [](const std::array<double, 3>& x) { return x[2] == 1; }),
+                [](double, double, double) { return std::array<double, 3>{0, 0, 1}; }, f);
+  const auto isHeld = [](const std::array<double, 3>& x, int) { return x[0] == 0; };
+  return f.dot(solve(solid, straight, {{"rubber", 1.0, nu}}, Formulation::BBar, f, isHeld));
+}
+
+// With nothing but one pressure an element layers of WEDGE15 bend without energy, those of TETRA10 and PYRAMID13 a third too easily, at any nu.
+TEUCHOS_UNIT_TEST(Incompressible, LayersBend) {
+  for (const double nu : {0.3, 0.4999}) {
+    const double wanted = plate(Topology::Hex27, 12, nu);
+    for (const Topology topology : allTopologies()) {
+      if (!elementShape(topology).hasMidNodes()) continue;
+      const double coarse = plate(topology, 5, nu) / wanted - 1, fine = plate(topology, 10, nu) / wanted - 1;
+      out << topologyName(topology) << ", nu " << nu << ": " << coarse << ", " << fine << "\n";
+      TEST_COMPARE(std::abs(coarse), <, 0.08);
+      TEST_COMPARE(std::abs(fine), <, nu < 0.4 ? 0.015 : 0.045);
+    }
+  }
+}
+
+// One cell and a layer, of straight elements, have six motions without energy: the others that have no deviatoric strain cost some.
+TEUCHOS_UNIT_TEST(Incompressible, LayersHaveSixZeros) {
+  for (const Topology topology : allTopologies())
+    for (const int n : {1, 2}) {
+      const Solid solid = solidOf(withElements(cubeOfHexahedra({n, n, 1}), topology), [](std::array<double, 3> x) { return x; });
+      const VectorXd eigenvalues = Testing::symmetricEigenvalues(
+          Eigen::MatrixXd(assembleStiffness(solid.coordinates, solid.groups, {{"rubber", 1.0, 0.4999}}, Formulation::BBar)));
+      TEST_COMPARE(eigenvalues.head(6).cwiseAbs().maxCoeff(), <, 1e-12 * eigenvalues.tail<1>()[0]);
+      out << topologyName(topology) << ", " << n << ": " << eigenvalues[6] << "\n";
+      TEST_COMPARE(eigenvalues[6], >, 1e-3);  // E = 1
+    }
 }
 
 }  // namespace

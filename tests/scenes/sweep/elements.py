@@ -15,6 +15,7 @@ _CUBE = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0), (0, 0, 1), (1, 0, 
 _SIMPLEX = np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)], float)
 _FACE_CORNERS = {3: 3, 4: 4, 6: 3, 8: 4, 9: 4}
 _PRESSURE_MODES = {"HEX20": 4, "HEX27": 4}   # of B-bar, in others one: what theory.md, Elements, says
+_UNPROJECTED = {"TETRA10": 0.35}             # and the Poisson's ratio up to which div u is not projected
 
 
 class Shape:
@@ -82,7 +83,7 @@ def face(size):
 def _element_stiffness(x, shape, young, poisson, is_bbar):
     """[elements x 3n x 3n] = sum over points of volume * (c g_i g_j^T + mu (g_j g_i^T + g_i . g_j I)), c = lambda.
 
-    B-bar: c = -2/3 mu, and the pressure is bulk times the projection of div u on 1, or on 1, x, y, z.
+    B-bar: c = -2/3 mu, or lambda of the unprojected part; the rest of bulk goes with the projection of div u on 1, or on 1, x, y, z.
     """
     points, weights = solid(shape).rule(2 if shape in ("HEX8", "TETRA4") else 3)
     local = solid(shape).gradients(points)
@@ -92,7 +93,9 @@ def _element_stiffness(x, shape, young, poisson, is_bbar):
     mu, lame, bulk = young / 2 / (1 + poisson), young * poisson / (1 + poisson) / (1 - 2 * poisson), young / 3 / (1 - 2 * poisson)
     n = x.shape[1]
     H = (np.swapaxes(g * volumes[..., None], 1, 2) @ g).reshape(-1, n, 3, n, 3)
-    K = (-2 / 3 * mu if is_bbar else lame) * H + mu * H.transpose(0, 1, 4, 3, 2)
+    unprojected = _UNPROJECTED.get(shape, -1)
+    c = min(lame, 2 * mu * unprojected / (1 - 2 * unprojected)) if is_bbar else lame
+    K = c * H + mu * H.transpose(0, 1, 4, 3, 2)
     K += mu * np.einsum("eidjd,ab->eiajb", H, np.eye(3))
     K = K.reshape(-1, 3 * n, 3 * n)
     if is_bbar:
@@ -100,7 +103,7 @@ def _element_stiffness(x, shape, young, poisson, is_bbar):
         modes = np.concatenate([np.ones_like(places[..., :1]), places], 2)[..., :_PRESSURE_MODES.get(shape, 1)]
         psi, _ = np.linalg.qr(modes * np.sqrt(volumes)[..., None])
         q = np.swapaxes(g * np.sqrt(volumes)[..., None], 1, 2) @ psi
-        K += bulk * q @ np.swapaxes(q, 1, 2)
+        K += (bulk - c - 2 / 3 * mu) * q @ np.swapaxes(q, 1, 2)
     return K
 
 
