@@ -209,6 +209,12 @@ DenseMatrix balancedInverse(const DenseContact& d) {
   return inverse - W * Testing::pseudoInverse(d.GT.transpose() * W) * W.transpose();
 }
 
+// A diagonal M.
+void takeM(const DenseVector& diagonal, const Setup& t, ContactOperators& o) {
+  o.M = rcp(new DenseOperator(t.map, DenseMatrix(diagonal.asDiagonal())));
+  o.diagonalOfM = t.vectorOf(diagonal);
+}
+
 // With a model that is F itself the law is solved within it; a poor M leads to the model by a plateau.
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
   for (const bool floating : {false, true})
@@ -221,11 +227,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
         return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
       };
       o.needsDeflatedM = atOnce;
-      if (!atOnce) {
-        const DenseMatrix poor = DenseVector::LinSpaced(t.d.F.rows(), 1.0, 1000.0).asDiagonal();
-        o.M = rcp(new DenseOperator(t.map, poor));
-        o.diagonalOfM = t.vectorOf(poor.diagonal());
-      }
+      if (!atOnce) takeM(DenseVector::LinSpaced(t.d.F.rows(), 1.0, 1000.0), t, o);
       Manager manager;
       manager.setParameters(withTolerance(1e-9));
       manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
@@ -253,12 +255,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, DearModelIsTheLastResort) {
         return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
       };
       o.needsDeflatedM = true;
-      if (range > 1) {
-        const DenseVector exponents = DenseVector::LinSpaced(t.d.F.rows(), 0.0, std::log(range));
-        const DenseMatrix poor = exponents.array().exp().matrix().asDiagonal();
-        o.M = rcp(new DenseOperator(t.map, poor));
-        o.diagonalOfM = t.vectorOf(poor.diagonal());
-      }
+      if (range > 1) takeM(DenseVector::LinSpaced(t.d.F.rows(), 0.0, std::log(range)).array().exp(), t, o);
       Manager manager;
       manager.setParameters(withTolerance(1e-9));
       manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
