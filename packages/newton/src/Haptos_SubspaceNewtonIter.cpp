@@ -14,8 +14,8 @@
 //   min over y of || (s_E + S_E y, phi(lambda_c + V_c y, s_c + S_c y)) ||     Gauss-Newton: `SubspaceDescent`
 //   (lambda, s) := (lambda + V y, s + S y)
 //
-// Where the residual hardly falls: another r, then directions for one frozen linearisation, then condensed directions, with one r after
-// the other.
+// Where the residual hardly falls: condensed directions, with one r after the other; where they cannot be had, another r, then directions for one
+// frozen linearisation.
 namespace Haptos {
 
 SubspaceNewtonIter::SubspaceNewtonIter(const Parts& parts, Eigen::VectorXd r, const SubspaceNewtonOptions::Steps& options)

@@ -97,9 +97,7 @@ void PcpgSolver::use(RCP<const Operator> M) {
 }
 
 void PcpgSolver::deflate() {
-  DeflatedPreconditioner::Spectra spectra;
-  spectra.largestBoundary = spectra_.back();
-  deflated_ = context_.system.makeDeflated(spectra);
+  deflated_ = context_.system.makeDeflated(DeflatedPreconditioner::Spectra{spectra_.back()});
   spectra_.pop_back();
   use(deflated_.is_null() ? RCP<const Operator>(context_.system.preconditioner()) : RCP<const Operator>(deflated_));
 }

@@ -97,9 +97,8 @@ struct SubspaceNewtonSolver::Impl {
   // Of large parts only where elements are hard: ordinary ones pay three to five times the seconds for half of the multiplications (decisions/042).
   ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
     using Made = DeflatedPreconditioner;
-    Made::Spectra spectra;
-    if (context.system.model().isHard) spectra.largestBoundary = Made::kLargestSpectrum;
-    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : spectra);
+    const Made::Spectra usual{context.system.model().isHard ? Made::kLargestSpectrum : Made::kUsualSpectrum};
+    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : usual);
     if (deflated.is_null()) return {};
     return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
             [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }};
