@@ -56,6 +56,8 @@ double wayToBoundary(const Eigen::Vector3d& x, const Eigen::Vector3d& d) {
 
 }  // namespace
 
+bool ConePoint::isInside() const { return l[0] > 0 && y[0] > 0 && determinant(l) > 0 && determinant(y) > 0; }
+
 // W = theta (2 w w^T - R), R = diag(1, -1, -1), theta^2 = det l / det y and w between the directions of l and R y; its root is that of theta
 // times the same with (w + e) / sqrt(2 (w_0 + 1)) in the place of w.
 void ConePoint::scale() {
@@ -164,6 +166,8 @@ void PairCones::advance(double t) {
   if (hasBall_) ball_.advance(t);
 }
 
+bool PairCones::isInside() const { return (!hasNormal_ || normal_.isInside()) && (!hasBall_ || ball_.isInside()); }
+
 bool PairCones::hasLawOf(const PairCones& other) const {
   return hasNormal_ == other.hasNormal_ && hasBall_ == other.hasBall_ && D_ == other.D_ && (!hasBall_ || ball_.l[0] == other.ball_.l[0]);
 }
@@ -208,9 +212,10 @@ class ConePath::Point {
     return sums[0] / std::max(1.0, sums[1]);
   }
 
-  // One step of Newton's method, the length of it that was taken: a first one to l . y = 0, which tells how far to go and what the linear
-  // equations leave out (predictor and corrector [mehrotra-1992]), for one matrix.
+  // One step of Newton's method, the length of it that was taken, 0 where digits end: a first one to l . y = 0, which tells how far to go and
+  // what the linear equations leave out (predictor and corrector [mehrotra-1992]), for one matrix.
   double step(Eigen::VectorXd& sigma, SlipTerm slip, const SubspaceNewtonOptions::Condensed& options) {
+    if (!isInside()) return 0;
     const auto solve = solver(slip, options.pathLinearTolerance);
     takeStep(solve);
     const double part = std::max(options.pathFar, std::pow(1 - longestStep(), 3)), target = part * meanProduct();
@@ -226,6 +231,13 @@ class ConePath::Point {
 
  private:
   using Solver = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+
+  // Round-off puts points that have no digits left on the boundary of their cones, where there is no scaling.
+  bool isInside() const {
+    double outside = 0;
+    for (const PairCones& cones : cones_) outside += !cones.isInside();
+    return M_.vectors().sum(outside) == 0;
+  }
 
   // d sigma for b: the matrix at these forces and jumps
   Solver solver(SlipTerm slip, double tolerance) {

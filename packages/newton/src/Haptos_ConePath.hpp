@@ -21,6 +21,7 @@ struct ConePoint {
   void aim(double target);   ///< at l o y = target
   /// What the product dl o dy of the last step, which the linear equations leave out, adds to l o y is taken off.
   void correct();
+  bool isInside() const;       ///< l and y, by their digits
   double longestStep() const;  ///< largest t <= 1 for which l + t dl and y + t dy stay inside, less a little
   Eigen::Vector2d coupling() const { return W.block<2, 1>(1, 0) / W(0, 0); }
   Eigen::Matrix2d tangentialW() const { return W.bottomRightCorner<2, 2>() - coupling() * W.block<1, 2>(0, 1); }  ///< where l_0 stays
@@ -49,6 +50,7 @@ class PairCones {
   const Eigen::Matrix3d& K() const { return K_; }
   Eigen::Vector3d b() const;
 
+  bool isInside() const;
   bool hasLawOf(const PairCones& other) const;  ///< and bound of friction
 
   void setStep(const Eigen::Vector3d& dSigma);

@@ -16,7 +16,7 @@ ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& ke
   Eigen::MatrixXd G = shape == Shape::Symmetric ? symmetricRestMatrix() : restMatrix();
   if (N.cols() > 0) G += M_.diagonal().mean() * timesOnRest(&ContactFactor::A, N) * N.transpose();
   factor_ = DenseFactor(std::move(G), shape == Shape::Symmetric ? DenseFactor::Kind::Cholesky : DenseFactor::Kind::Lu);
-  prepareKernel(N * heldBy(timesOnRest(&ContactFactor::B, N)));
+  prepareKernel(N * MotionsOfB(timesOnRest(&ContactFactor::B, N)).held);
 }
 
 ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& C, Eigen::MatrixXd blocks)

@@ -121,13 +121,9 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
 
 // Motions of the kernel that B does not feel either (a coefficient 0) stay where they are: a solution may have any of them.
 Eigen::VectorXd ContactMatrix::withoutFree(const Blocks& B, Eigen::VectorXd d) const {
-  constexpr double kNothing = 1e-13;
   if (kernel_.cols() == 0) return d;
-  const Eigen::MatrixXd R = stackedQr(vectors_.comm(), multiplyBlocks(B, kernel_));
-  if (!R.allFinite()) return d;  // of a step that is given up; an SVD would tell each rank something else
-  const RightSvd svd(R);
-  const Eigen::Index free = (svd.values.array() <= kNothing * svd.values[0]).count();
-  if (free > 0) d -= partIn(kernel_ * svd.V.rightCols(free), d);
+  const MotionsOfB motions(stackedQr(vectors_.comm(), multiplyBlocks(B, kernel_)));
+  if (motions.free.cols() > 0) d -= partIn(kernel_ * motions.free, d);
   return d;
 }
 

@@ -15,11 +15,14 @@ Eigen::MatrixXd timesB(const Eigen::MatrixXd& blocks, const Eigen::MatrixXd& X) 
 
 }  // namespace
 
-Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images) {
+// An SVD of values that are not finite would tell each rank something else.
+MotionsOfB::MotionsOfB(const Eigen::MatrixXd& images) : held(Eigen::MatrixXd::Identity(images.cols(), images.cols())), free(images.cols(), 0) {
   constexpr double kNothing = 1e-13;
-  if (images.cols() == 0) return Eigen::MatrixXd(0, 0);
+  if (images.cols() == 0 || !images.allFinite()) return;
   const RightSvd svd(images);
-  return svd.V.leftCols((svd.values.array() > kNothing * svd.values[0]).count());
+  const Eigen::Index numHeld = (svd.values.array() > kNothing * svd.values[0]).count();
+  held = svd.V.leftCols(numHeld);
+  free = svd.V.rightCols(images.cols() - numHeld);
 }
 
 bool ForceFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
@@ -33,7 +36,8 @@ bool ForceFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
 //   (A + B C)_SS f_S + (B N)_S a = (b - (A + B C) f_K)_S,   N_S^T f_S = - N_K^T f_K,
 //
 // as forces on a motion that M does not feel are in balance.
-ForceFactor::ForceFactor(const Eigen::MatrixXd& C, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks) : C_(C), kernel_(kernel * heldBy(timesB(blocks, kernel))), blocks_(blocks) {
+ForceFactor::ForceFactor(const Eigen::MatrixXd& C, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& blocks)
+    : C_(C), kernel_(kernel * MotionsOfB(timesB(blocks, kernel)).held), blocks_(blocks) {
   for (Eigen::Index row = 0; row < C_.rows(); ++row)
     if (C_(row, row) > 0) (isKnown(blocks_, row) ? known_ : unknown_).push_back(row);
   if (unknown_.empty() && kernel_.cols() == 0) return;

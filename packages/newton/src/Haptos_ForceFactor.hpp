@@ -7,8 +7,12 @@
 
 namespace Haptos {
 
-/// \brief Combinations of motions that B resists, by its images of them [any x k]; others (a coefficient 0) stay where they are.
-Eigen::MatrixXd heldBy(const Eigen::MatrixXd& images);
+/// \brief Combinations of motions that B resists, and of those that it does not feel (a coefficient 0), by its images of them [any x k].
+struct MotionsOfB {
+  Eigen::MatrixXd held, free;  ///< [k x some], orthonormal
+  /// \param images the same on all ranks, or R of their QR; all are held where they are not finite, by a step that is given up
+  explicit MotionsOfB(const Eigen::MatrixXd& images);
+};
 
 /// \brief (A M + B) d = b by forces f = M d, d = C f + N a: an LU of the rows alone whose force no pair tells by itself.  Serial.
 ///

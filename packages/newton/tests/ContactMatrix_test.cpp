@@ -190,6 +190,21 @@ TEUCHOS_UNIT_TEST(ContactMatrix, LeavesFreeMotionsWhereTheyAre) {
 }
 
 // Rows that pairs solve by themselves, as closed normals and sticking pairs have them, are left out of direct solves.
+// Scaled as stiff and as soft as may be; a step that is given up has values that are not finite, and holds all.
+TEUCHOS_UNIT_TEST(MotionsOfB, AreHeldOrFree) {
+  const DenseMatrix turn = PivotedQr(DenseMatrix::NullaryExpr(3, 3, [](auto i, auto j) { return std::cos(1.0 + 3 * i + 5 * j); })).Q;
+  for (const double size : {1e-9, 1.0, 1e9}) {
+    const DenseMatrix images = size * DenseVector{{1, 1e-9, 1e-16}}.asDiagonal() * turn.transpose();
+    const MotionsOfB motions(images);
+    TEST_EQUALITY(motions.held.cols(), 2);
+    TEST_EQUALITY(motions.free.cols(), 1);
+    TEST_COMPARE((images * motions.free).norm(), <=, 1e-15 * size);
+    TEST_COMPARE((motions.held.transpose() * motions.free).norm(), <=, 1e-14);
+    TEST_EQUALITY(MotionsOfB(0.0 * images).free.cols(), 3);
+    TEST_EQUALITY(MotionsOfB(std::numeric_limits<double>::quiet_NaN() * images).held, DenseMatrix(DenseMatrix::Identity(3, 3)));
+  }
+}
+
 TEUCHOS_UNIT_TEST(ContactMatrix, LeavesOutWhatPairsSolveByThemselves) {
   const Scene t(false);
   DenseMatrix AMB = t.contactM();
