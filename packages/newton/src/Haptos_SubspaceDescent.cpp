@@ -88,18 +88,28 @@ void SubspaceDescent::run(bool isFrozen, double bestNorm) {
   }
 }
 
+// A state that hardly moves gets the same direction from the same model the next time: then the plan is taken as it is, and the next model
+// begins there.
+void SubspaceDescent::runFrom(const Eigen::VectorXd& planned, bool isFrozen, double bestNorm) {
+  const Candidate plan = at(planned);
+  const double before = norm_;
+  runFromBoth(plan, isFrozen, bestNorm);
+  const bool goesUp = plan.norm > before && plan.norm < setting_.options.ascent * bestNorm;
+  if (goesUp && norm_ > setting_.options.stays * before) moveTo(Candidate(plan));
+}
+
 // Where bodies float, what a model leaves of a step that goes up often falls below all that can be reached from here: its slip directions
 // are the better ones.  Where they do not, that helped nowhere, and took 79 F instead of 65 on an edge under Coulomb's law.  From there the
 // reach is that of the model: a body that friction all but lets go slides as far as the model says.
-void SubspaceDescent::runFrom(const Eigen::VectorXd& planned, bool isFrozen, double bestNorm) {
-  Candidate here{y_, law_, norm_, 0}, there = at(planned);
-  const bool descends = there.norm < norm_;
-  if (!std::isfinite(there.norm) || !(descends || setting_.isFloating)) return run(isFrozen, bestNorm);
-  const double reach = std::exchange(reach_, std::max(reach_, setting_.options.farthest * there.jumps));
-  moveTo(std::move(there));
+void SubspaceDescent::runFromBoth(const Candidate& plan, bool isFrozen, double bestNorm) {
+  const bool descends = plan.norm < norm_;
+  if (!std::isfinite(plan.norm) || !(descends || setting_.isFloating)) return run(isFrozen, bestNorm);
+  Candidate here{y_, law_, norm_, 0};
+  const double reach = std::exchange(reach_, std::max(reach_, setting_.options.farthest * plan.jumps));
+  moveTo(Candidate(plan));
   run(isFrozen, bestNorm);
   if (descends) return;
-  there = {y_, law_, norm_, 0};
+  Candidate there{y_, law_, norm_, 0};
   reach_ = reach;
   moveTo(std::move(here));
   run(isFrozen, bestNorm);

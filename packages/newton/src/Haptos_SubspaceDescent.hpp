@@ -34,7 +34,8 @@ class SubspaceDescent {
   /// \param bestNorm so far: bounds a step that does not descend
   void run(bool isFrozen, double bestNorm);
 
-  /// \brief The same from the step that the last direction was made for; where that goes up, from here, too, and the better end counts.
+  /// \brief The same from the step that the last direction was made for; where that goes up, from here, too, and the better end counts.  That step
+  /// itself where neither leads on.
   void runFrom(const Eigen::VectorXd& planned, bool isFrozen, double bestNorm);
 
   const Eigen::VectorXd& y() const { return y_; }    ///< [m]
@@ -47,6 +48,7 @@ class SubspaceDescent {
     double norm;
     double jumps;  // || s_c ||
   };
+  void runFromBoth(const Candidate& plan, bool isFrozen, double bestNorm);
   struct Search {
     std::optional<Candidate> better;
     double fullNorm;  // of the full step; infinite if it is beyond reach

@@ -117,10 +117,10 @@ void SubspaceNewtonIter::solveInSubspace(NewtonState& state) {
   subspace_.addCombination(descent.y(), state.lambda, state.s);
 }
 
-// || (s_E, phi) || fell by less than windowFactor over the window; where the linearisation is frozen it may.
-bool SubspaceNewtonIter::isPoor() const {
+// || (s_E, phi) || fell by less than the factor over the window; where the linearisation is frozen it may.
+bool SubspaceNewtonIter::isPoor(double factor) const {
   const std::size_t n = window_.size();
-  return !linear_ && int(n) > options_.window && window_[n - 1] > options_.windowFactor * window_[n - 1 - std::size_t(options_.window)];
+  return !linear_ && int(n) > options_.window && window_[n - 1] > factor * window_[n - 1 - std::size_t(options_.window)];
 }
 
 // A slow way that is nearly done is shorter than a new one: at its rate, so much a step, few steps are left.
@@ -207,7 +207,7 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  const bool isOnPlateau = isPoor() && directions_.mayCondense() && !isNearlyThere(limits);
+  const bool isOnPlateau = directions_.mayCondense() && isPoor(options_.windowFactorOfBetter) && !isNearlyThere(limits);
   return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || isOnPlateau;
 }
 
@@ -240,7 +240,7 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
       stop = directions_.mayCondenseAtAnyPrice() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
     }
-    if (isPoor()) leavePlateau(state);
+    if (isPoor(options_.windowFactor)) leavePlateau(state);
     advance(state, limits, needsDirection);
     needsDirection = true;
   }

@@ -70,7 +70,7 @@ class SubspaceNewtonIter {
   bool isNearlyThere(const NewtonLimits& limits) const;
   bool isSlow() const;
   bool hasMorePenalties() const;
-  bool isPoor() const;  ///< steps without much progress
+  bool isPoor(double factor) const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
   void takePenalty(int tried, const NewtonState& state);
   long applications() const { return dual_.F->applications() - firstApplication_; }

@@ -272,6 +272,27 @@ TEUCHOS_UNIT_TEST(SubspaceDescent, LowersTheResidualOfTheLawItself) {
   }
 }
 
+// Where nothing leads on a plan is taken as it is, but for one that goes up too far.
+TEUCHOS_UNIT_TEST(SubspaceDescent, TakesThePlanWhereItStays) {
+  const Span t(6);
+  SubspaceNewtonOptions::Steps options;
+  options.gaussNewtonSteps = 0;
+  const double before = t.residual(t.state.s, t.law.phi).norm();
+  const auto growth = [&](const Eigen::VectorXd& y) {
+    const NewtonState moved = t.at(y);
+    return t.residual(moved.s, t.lawAt(moved).phi).norm() / before;
+  };
+  Eigen::VectorXd plan = Eigen::VectorXd::Constant(6, 1e-3 * before);
+  while (growth(plan) < 1.5) plan *= 1.1;
+  for (const bool isFloating : {false, true})
+    for (const double ascent : {3.0, 1.2}) {
+      options.ascent = ascent;
+      SubspaceDescent descent({t.subspace, t.parts.vectors, t.parts.dual.pairs, t.r, options, isFloating}, t.state, t.law, before);
+      descent.runFrom(plan, false, before);
+      TEST_EQUALITY(descent.y(), ascent > 2 ? plan : Eigen::VectorXd(Eigen::VectorXd::Zero(6)));
+    }
+}
+
 // Contact jumps stay within reach, of a planned step, too.
 TEUCHOS_UNIT_TEST(SubspaceDescent, FloatingBodiesDoNotGoOff) {
   const Span t(6);

@@ -20,6 +20,7 @@ class AutomaticSolver final : public ContactSolver {
   std::string name() const override;
   bool solve(const SolveRequest& request) override;
   void renew() override;
+  bool tracksJumps() const override { return current_->tracksJumps(); }
   const DualSolution& solution() const override { return best_ ? best_->solution : current_->solution(); }
   Outcome outcome() const override { return best_ ? best_->outcome : current_->outcome(); }
   int outerIterations() const override;

@@ -38,6 +38,9 @@ class ContactSolver {
   /// \brief The system has another step, or other laws: the next solve goes on from the last solution.  Collective.
   virtual void renew() = 0;
 
+  /// \brief Whether jumps are kept by a recursion, which `SolveRequest::jumps` free of what it has lost, at no multiplication.
+  virtual bool tracksJumps() const { return false; }
+
   virtual const DualSolution& solution() const = 0;
   virtual Outcome outcome() const = 0;  ///< of the last solve()
   virtual int outerIterations() const = 0;

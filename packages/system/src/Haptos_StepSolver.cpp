@@ -98,27 +98,31 @@ Accuracy StepSolver::measure(const DualSolution& solution, RCP<Vector>& u, RCP<V
   return smoothed;
 }
 
-// Whether the method's own test passed at last.  Where it passed and kkt did not, the method goes on with a tighter one.  Without a multiplication
-// nothing is new; what the written field still lacks in the end is left to smoothing alone.
+// Whether the method's own test passed at last.  Where it passed and kkt did not, the method is asked again, with jumps free of what its
+// recursion has lost, by which its test may see what is missing; else with a tighter test.  Without a multiplication nothing is new; what the
+// written field still lacks in the end is left to smoothing alone.
 bool StepSolver::iterate(StepResult& result) try {
-  constexpr int kAttempts = 12;
+  constexpr int kAttempts = 24;
   const double tolerance = options_.solver.tolerance;
   SolveRequest request{tolerance, system_->dual().F->applications() + options_.solver.maximumMultiplications};
-  bool passed = false;
+  bool passed = false, isAskedAgain = false;
   RCP<Vector> jumps;
   const auto measureNow = [&](SmoothingEffort effort) { result.accuracy = measure(solver_->solution(), result.u, jumps, effort); };
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const long before = multiplications();
     passed = solver_->solve(request);
-    if (attempt == 0 || multiplications() > before) measureNow(SmoothingEffort::Usual);
+    const bool isNew = attempt == 0 || multiplications() > before;
+    if (isNew) measureNow(SmoothingEffort::Usual);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
     if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
     request.jumps = jumps;
+    isAskedAgain = isNew && !isAskedAgain && solver_->tracksJumps();
+    if (isAskedAgain) continue;
     // Half of what is too much, but by no more than two digits at a time: the two measures are not proportional.
-    request.tolerance *= request.isDoubted && attempt == 0 ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    request.tolerance *= request.isDoubted && request.tolerance == tolerance ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
   }
   if (passed && result.accuracy.errors.kkt() > tolerance) measureNow(SmoothingEffort::Last);
   return passed;

@@ -19,6 +19,7 @@ class SubspaceNewtonSolver final : public ContactSolver {
   bool solve(const SolveRequest& request) override;
   /// Pairs are kept, too: they depend on F and G alone.
   void renew() override;
+  bool tracksJumps() const override { return true; }
   const DualSolution& solution() const override;
   Outcome outcome() const override;
   int outerIterations() const override;
