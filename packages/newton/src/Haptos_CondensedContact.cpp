@@ -25,13 +25,13 @@ CondensedContact::CondensedContact(RCP<const Operator> M, const ContactMatrix& c
 Eigen::VectorXd CondensedContact::forcesOfGluing(const Eigen::VectorXd& s) const {
   Eigen::VectorXd jumps = s;
   vectors_.setContact(jumps, Eigen::VectorXd::Zero(3 * vectors_.numPairs()));
-  return vectors_.contact(vectors_.apply(*M_, jumps));
+  return contact_.scaling() * vectors_.contact(vectors_.apply(*M_, jumps));
 }
 
 // M (s_E, sigma)
 Eigen::VectorXd CondensedContact::response(Eigen::VectorXd s, const Eigen::VectorXd& sigma) const {
   vectors_.setContact(s, sigma);
-  return vectors_.apply(*M_, s);
+  return contact_.scaling() * vectors_.apply(*M_, s);
 }
 
 // The law at lambda + M_cc sigma, s - sigma; lambda: with m.

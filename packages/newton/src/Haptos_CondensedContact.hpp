@@ -18,7 +18,7 @@ namespace Haptos {
 /// Open pairs, slip directions and all couplings are in it; nothing is left to be balanced.
 class CondensedContact {
  public:
-  /// \param contact between contact rows and on those alone; kept by reference
+  /// \param contact between contact rows and on those alone; kept by reference.  Its `scaling` is that of M, too.
   CondensedContact(RCP<const Operator> M, const ContactMatrix& contact, SubspaceNewtonOptions::Condensed options = {});
 
   struct Step {

@@ -2,6 +2,8 @@
 #include "Haptos_CondensedDirection.hpp"
 
 #include <Tpetra_Operator.hpp>
+#include <algorithm>
+#include <cmath>
 
 #include "Haptos_DenseDecompositions.hpp"
 
@@ -35,7 +37,8 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
       matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
-      pairStiffness_(without) {
+      pairStiffness_(without),
+      options_(options) {
   if (!deflated.contactM.is_null()) return;
   // A pinned pair feels nothing; its r is free, but must be a number.
   const Eigen::VectorXd felt = matrix_.normalStiffness();
@@ -58,10 +61,18 @@ void CondensedDirection::holdFloatingBodies(Eigen::VectorXd& v) const {
   vectors.setContact(v, contact);
 }
 
+// v^T F v / v^T M^-1 v is a Rayleigh quotient of M F.  Full steps go too far along v where it is more than 2, and come no nearer from one to the next.
+void CondensedDirection::learn(double vFv) {
+  const double quotient = energy_ > 0 ? vFv / energy_ : 0.0;
+  if (std::isfinite(quotient) && quotient > options_.tooFar) matrix_.scale(std::max(options_.asFar / quotient, options_.leastScaling));
+}
+
 // sigma solves the law at s_c - sigma, so v is a step as it stands.
 Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) {
   constexpr double kLeadsOn = 0.5;  // of phi: where the law is not even half solved, the state is beyond help
   CondensedContact::Step step = contact_.solveLaw(pairs, law.r, point.lambda, point.s);
+  const DualVectors& vectors = balance_.vectors();
+  energy_ = vectors.sum(vectors.gluing(step.z).dot(vectors.gluing(point.s)) + vectors.contact(step.z).dot(step.sigma));
   Direction direction{std::move(step.z), true, -step.sigma, step.left <= kLeadsOn};
   holdFloatingBodies(direction.v);
   balance_.balance(direction.v);

@@ -18,6 +18,9 @@ class CondensedDirection final : public NewtonDirection {
 
   Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) override;
 
+  /// \brief Where the full step goes too far for F, M is made smaller, so that the next ones do not.
+  void learn(double vFv) override;
+
   /// \brief 1 / (normal compliance of the pair, the others open), where M is a dense matrix; else as without this direction.
   const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }
 
@@ -28,6 +31,8 @@ class CondensedDirection final : public NewtonDirection {
   ContactMatrix matrix_;
   CondensedContact contact_;
   Eigen::VectorXd pairStiffness_;
+  SubspaceNewtonOptions::Condensed options_;
+  double energy_ = 0;  // of the last direction: z^T M^-1 z = z . (s_E, sigma)
 };
 
 }  // namespace Haptos

@@ -64,7 +64,7 @@ Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::fu
   Eigen::MatrixXd result(3 * vectors_.numPairs(), count);
   for (Eigen::Index j = 0; j < count; j += kAtATime) {
     const Eigen::Index width = std::min(kAtATime, count - j);
-    result.middleCols(j, width) = vectors_.applyOnContactByColumns(*M_, columns(j, width));
+    result.middleCols(j, width) = scaling_ * vectors_.applyOnContactByColumns(*M_, columns(j, width));
   }
   return result;
 }
@@ -80,6 +80,16 @@ Eigen::MatrixXd ContactMatrix::byColumns() const {
   }));
 }
 
+void ContactMatrix::scale(double factor) {
+  scaling_ *= factor;
+  diagonal_ *= factor;
+  dense_ *= factor;
+  compliance_ /= factor;
+  last_.reset();
+  twoLevel_.reset();
+  coarse_.reset();
+}
+
 // Motions of the kernel are solved for by themselves.
 void ContactMatrix::makeCoarse() const {
   const auto M = [this](const Eigen::MatrixXd& X) {
@@ -91,7 +101,7 @@ void ContactMatrix::makeCoarse() const {
 
 // Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
 void ContactMatrix::makeDense() const {
-  dense_ = makeWhole_ ? makeWhole_() : byColumns();
+  dense_ = makeWhole_ ? Eigen::MatrixXd(scaling_ * makeWhole_()) : byColumns();
   dense_ = (0.5 * (dense_ + dense_.transpose())).eval();
   wholeKernel_ = Eigen::MatrixXd(size_, 0);
   if (kernel_.cols() == 0) return;
@@ -109,7 +119,7 @@ Eigen::MatrixXd ContactMatrix::onAllRanks(const Eigen::MatrixXd& mine) const {
 }
 
 Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
-  if (dense_.size() == 0) return vectors_.applyOnContact(*M_, x);
+  if (dense_.size() == 0) return scaling_ * vectors_.applyOnContact(*M_, x);
   Eigen::VectorXd all = onAllRanks(x);
   all -= wholeKernel_ * (wholeKernel_.transpose() * all);  // bodies that went far would leave round-off of their way
   return dense_.middleRows(first_, x.size()) * all;

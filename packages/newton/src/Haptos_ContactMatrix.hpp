@@ -37,6 +37,10 @@ class ContactMatrix {
   ContactMatrix(const ContactMatrix&) = delete;  // factors refer to it
   ContactMatrix& operator=(const ContactMatrix&) = delete;
 
+  /// \brief M := factor M.  Factors and coarse spaces are made anew where they are needed.
+  void scale(double factor);
+  double scaling() const { return scaling_; }  ///< of what it was made from
+
   Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;  ///< Collective
 
   /// \brief (A M + B) d = b, to a relative tolerance.  Collective.
@@ -89,7 +93,8 @@ class ContactMatrix {
   ContactEquations::Solution solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Blocks& inverse,
                                            const Eigen::VectorXd& b) const;
 
-  RCP<const Operator> M_;
+  RCP<const Operator> M_;  // times scaling_
+  double scaling_ = 1;
   std::function<Eigen::MatrixXd()> makeWhole_, makeSmooth_;
   const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;

@@ -30,6 +30,9 @@ class NewtonDirection {
   /// For the law itself, or for its linearisation at this r where a strategy can do no more.  \param pairs, law this rank's.  Collective.
   virtual Direction compute(const std::vector<PairLaw>& pairs, const LawLinearization& law, const DirectionPoint& point) = 0;
 
+  /// \brief v^T F v [force x length] of the last direction, if that was whole: what it tells of a model of F.  The same on all ranks.
+  virtual void learn(double vFv) { static_cast<void>(vFv); }
+
   /// \brief What r of the law is measured by [pairs], the stiffness that a pair feels [force/length].
   virtual const Eigen::VectorXd& pairStiffness() const = 0;
 };

@@ -56,6 +56,7 @@ void SubspaceNewtonIter::addDirection(const Eigen::VectorXd& dLambda, const Eige
   hopeless_ = direction.leadsOn ? 0 : hopeless_ + 1;
   Eigen::VectorXd sv = -vectors_.apply(*dual_.F, direction.v);  // the only F of a step
   balance_.removeRigidPart(sv);
+  if (direction.isWhole) directions_.current().learn(-vectors_.sum(direction.v.dot(sv)));
   makeRoom(dLambda, dS, state);
   const double length = subspace_.add(direction.v, sv);
   TEUCHOS_TEST_FOR_EXCEPTION(!std::isfinite(length), std::runtime_error,

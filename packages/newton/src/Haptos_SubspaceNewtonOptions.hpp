@@ -121,6 +121,9 @@ struct SubspaceNewtonOptions {
     /// the F, 1e-5 lost one scene).  1e-9 is round-off in some: three paths were followed for each direction (decisions/040).
     double reductionSlender = 1e-6;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
+    /// Full steps go too far where v^T F v is this much of v^T M^-1 v: M is scaled for that to be `asFar`, but not by less than `leastScaling` at a time, as
+    /// at the end both are round-off.  At 2 they diverge; 1.5 and 1 took as many F, 2 and 1.6 a third more (decisions/052).
+    double tooFar = 1.8, asFar = 1.3, leastScaling = 0.2;
     /// Up to so many where pairs leave few rows to be factored, as long as `newtonSteps` of them leave this much: 28 to 36 were seen where
     /// 1200 of 1381 pairs came to be open, each a tenth of a step of the path (decisions/040).
     int smallSteps = 100;

@@ -242,6 +242,30 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
     }
 }
 
+// With three times F's inverse in its place every full step goes three times too far.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelThatGoesTooFarIsScaled) {
+  for (const bool floating : {false, true}) {
+    std::vector<int> applications;
+    for (const double size : {1.0, 3.0, 100.0}) {
+      Setup t(makeContact(40, 30, floating, 4));
+      ContactOperators o = t.operators();
+      o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated {
+        return {rcp(new DenseOperator(t.map, size * balancedInverse(t.d))), {}};
+      };
+      o.needsDeflatedM = true;
+      Manager manager;
+      manager.setParameters(withTolerance(1e-9));
+      manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+      TEST_EQUALITY(manager.solve(), Belos::Converged);
+      TEST_COMPARE(measure(t, manager).error, <=, 1e-6);
+      applications.push_back(int(t.F->applications));
+      out << (floating ? "floating" : "held") << ", " << size << ": applications " << applications.back() << "\n";
+    }
+    TEST_COMPARE(applications[1], <=, applications[0] + 8);
+    TEST_COMPARE(applications[2], <=, applications[0] + 10);
+  }
+}
+
 // A better M that is too dear is not asked for again where the way leads on without it, and is where it ends.
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, DearModelIsTheLastResort) {
   for (const bool floating : {false, true})
