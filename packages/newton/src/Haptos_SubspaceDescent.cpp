@@ -94,7 +94,7 @@ void SubspaceDescent::runFrom(const Eigen::VectorXd& planned, bool isFrozen, dou
   const Candidate plan = at(planned);
   const double before = norm_;
   runFromBoth(plan, isFrozen, bestNorm);
-  const bool goesUp = plan.norm > before && plan.norm < setting_.options.ascent * bestNorm;
+  const bool goesUp = plan.norm > before && plan.norm < setting_.options.ascent * std::min(bestNorm, before);
   if (goesUp && norm_ > setting_.options.stays * before) moveTo(Candidate(plan));
 }
 

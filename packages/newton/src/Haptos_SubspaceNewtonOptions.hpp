@@ -64,7 +64,7 @@ struct SubspaceNewtonOptions {
     /// A first full step without descent is taken up to this much above the best residual: it lets the active set move.
     double ascent = 3;
     /// The step that a direction was made for is taken up to there, too, where what is reached otherwise leaves this much: from the same state the
-    /// same direction would come again.  .98 left one of three needles at 148 F, .8 took 46 instead of 21 in another (decisions/016).
+    /// same direction would come again.  .98 left one of three needles at 148 F, .8 took 46 instead of 21 in another (decisions/052).
     double stays = 0.9;
 
     int window = 3;                ///< steps over which the residual must fall by windowFactor; else the way is poor
