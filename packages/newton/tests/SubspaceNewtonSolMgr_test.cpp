@@ -215,6 +215,8 @@ void takeM(const DenseVector& diagonal, const Setup& t, ContactOperators& o) {
   o.diagonalOfM = t.vectorOf(diagonal);
 }
 
+ContactOperators::Deflated inverseOfF(const Setup& t, double size = 1) { return {rcp(new DenseOperator(t.map, size * balancedInverse(t.d))), {}}; }
+
 // With a model that is F itself the law is solved within it; a poor M leads to the model by a plateau.
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
   for (const bool floating : {false, true})
@@ -224,7 +226,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelOfTheDirection) {
       int made = 0;
       o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated {
         ++made;
-        return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
+        return inverseOfF(t);
       };
       o.needsDeflatedM = atOnce;
       if (!atOnce) takeM(DenseVector::LinSpaced(t.d.F.rows(), 1.0, 1000.0), t, o);
@@ -249,9 +251,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, ModelThatGoesTooFarIsScaled) {
     for (const double size : {1.0, 3.0, 100.0}) {
       Setup t(makeContact(40, 30, floating, 4));
       ContactOperators o = t.operators();
-      o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated {
-        return {rcp(new DenseOperator(t.map, size * balancedInverse(t.d))), {}};
-      };
+      o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return inverseOfF(t, size); };
       o.needsDeflatedM = true;
       Manager manager;
       manager.setParameters(withTolerance(1e-9));
@@ -276,7 +276,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, DearModelIsTheLastResort) {
       o.makeDeflatedM = [&](ContactOperators::Price price) -> ContactOperators::Deflated {
         asked.push_back(price);
         if (price == ContactOperators::Price::Usual) return {};
-        return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}};
+        return inverseOfF(t);
       };
       o.needsDeflatedM = true;
       if (range > 1) takeM(DenseVector::LinSpaced(t.d.F.rows(), 0.0, std::log(range)).array().exp(), t, o);
@@ -298,7 +298,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, OneCoefficientMayBeZero) {
   for (const std::array<double, 2> friction : {std::array{0.0, 0.4}, {0.8, 0.0}}) {
     Setup t(makeContact(40, 30, true, 4, friction));
     ContactOperators o = t.operators();
-    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return inverseOfF(t); };
     o.needsDeflatedM = true;
     Manager manager;
     manager.setParameters(withTolerance(1e-9));
@@ -361,7 +361,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, RoundsOfPenaltiesEnd) {
   for (const bool floating : {false, true}) {
     Setup t(makeContact(12, 20, floating, 1));
     ContactOperators o = t.operators();
-    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return {rcp(new DenseOperator(t.map, balancedInverse(t.d))), {}}; };
+    o.makeDeflatedM = [&](ContactOperators::Price) -> ContactOperators::Deflated { return inverseOfF(t); };
     o.needsDeflatedM = true;
     Manager manager;
     manager.setParameters(withTolerance(0.0));
