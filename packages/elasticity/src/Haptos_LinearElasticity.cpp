@@ -243,13 +243,15 @@ void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticMod
 }
 
 // f_a = sum over points of V_p sigma_p grad N_a(p), sigma_p from h = sum_a u_a (x) grad N_a; for BBar the deviator there and the
-// pressure bulk P(div u), P the projection on the modes, or a part of both: the same K u without K.
+// pressure bulk P(div u), P the projection on the modes, or a part of both: the same K u without K.  From the first node's displacement, as
+// far as a body goes as a whole costs no digits.
 template <class Shape>
 ElementVector<Shape> elementForce(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
                                   Formulation formulation, const ElementVector<Shape>& displacement) {
   const auto [c, projected] = volumetric(moduli, formulation, gradients.unprojected);
   const int n = gradients.numNodes();
-  const auto u = asColumns<Shape>(displacement.data(), n);
+  const auto absolute = asColumns<Shape>(displacement.data(), n);
+  const NodeColumns<Shape> u = absolute.colwise() - Vector3d(absolute.col(0));
   NodeColumns<Shape> force = NodeColumns<Shape>::Zero(3, n);
   decltype(gradients.volumes) dilatations(gradients.numPoints());  // their sum is the integral of div u
   for (int p = 0; p < gradients.numPoints(); ++p) {

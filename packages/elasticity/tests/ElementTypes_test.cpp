@@ -216,6 +216,17 @@ TEUCHOS_UNIT_TEST(ElementTypes, ForceEqualsStiffnessTimesDisplacement) {
     }
 }
 
+// By K as a matrix 1e8 leaves 1e-8 of the force of a displacement by 1.
+TEUCHOS_UNIT_TEST(ElementTypes, BodiesThatGoFarKeepTheirDigits) {
+  for (const Topology topology : allTopologies()) {
+    const Solid solid = singleElement(topology, curved);
+    const VectorXd far = VectorXd::Constant(3 * Eigen::Index(solid.coordinates.size()), 1e8);
+    VectorXd force = far;
+    applyStiffness(solid.coordinates, solid.groups, steel(), Formulation::Standard, far, force);
+    TEST_EQUALITY(force.norm(), 0.0);
+  }
+}
+
 // tr K_aa = (lambda + 4 shear) int |grad N_a|^2
 TEUCHOS_UNIT_TEST(ElementTypes, WeightsAreTheDiagonalOfTheStiffness) {
   const ElasticModuli moduli = elasticModuli(steel()[0]);

@@ -115,7 +115,7 @@ bool StepSolver::iterate(StepResult& result) try {
     if (isNew) measureNow(SmoothingEffort::Usual);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
-    if (kkt <= tolerance || !passed || result.accuracy.floor > tolerance) break;
+    if (kkt <= std::max(tolerance, result.accuracy.floor) || !passed) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
     request.jumps = jumps;

@@ -22,21 +22,18 @@ class WrittenField {
   std::int64_t worstNode() const { return worstNode_; }  ///< mesh node with the largest r; -1: r = 0
   const RCP<Vector>& v() const { return v_; }            ///< on the primal map [length]
 
-  /// \brief Steps of conjugate gradients for K v = f - B^T lambda, preconditioned by D, the row sums of |K_ij|, until
-  /// || r ||_2 <= enough [force] or what `effort` bounds; v is the best of all steps.
+  /// \brief Steps of conjugate residuals for K v = f - B^T lambda, preconditioned by D, the row sums of |K_ij|, until
+  /// || r ||_2 <= enough [force] or what `effort` bounds; v is the best of all steps, and r what it lacks as its digits are.
   ///
   /// Contact forces stay as they are.  Collective: five reductions a step.
   void smooth(double enough, SmoothingEffort effort = SmoothingEffort::Usual);
 
  private:
   enum class Keep { Means, UnsupportedMeans };
-  struct Best {
-    RCP<Vector> v;
-    double imbalance;
-    std::int64_t worstNode;
-  };
   void project(Vector& x, Keep keep) const;
   RCP<Vector> makeDiagonal() const;
+  void multiply(const Vector& x, Vector& y, const StiffnessProduct& product) const;
+  void move(const Vector& d, const Vector& residual);
   void measure();
 
   const AccuracyInput& model_;

@@ -239,6 +239,27 @@ TEUCHOS_UNIT_TEST(WrittenField, ManyStepsKnowWhatIsLeft) {
   TEST_FLOATING_EQUALITY(WrittenField(input, *field.v(), residual).imbalance(), field.imbalance(), 1e-6);
 }
 
+// A recursion goes on where the digits of v end; what is said of v is not the recursion's.
+TEUCHOS_UNIT_TEST(WrittenField, SaysWhatDigitsLeave) {
+  const PressedBlocks blocks;
+  const auto input = blocks.input();
+  const auto u = blocks.onRanks(blocks.torn());
+  Vector far(*u, Teuchos::Copy), residual(u->getMap());  // bodies that went far have fewer digits
+  {
+    const auto data = far.getDataNonConst(0);
+    for (auto& value : data) value += 1e4;
+  }
+  WrittenField field(input, far, residual);
+  field.smooth(1e-300, SmoothingEffort::Last);
+  Vector change(*field.v(), Teuchos::Copy);
+  change.update(-1.0, far, 1.0);
+  subtractForces(input, change, residual);
+  const double left = WrittenField(input, *field.v(), residual).imbalance(), scale = blocks.measure(blocks.u, blocks.lambda).ext;
+  out << "said " << field.imbalance() / scale << ", left " << left / scale << "\n";
+  TEST_FLOATING_EQUALITY(field.imbalance(), left, 0.2);  // the means of v are rounded once more
+  TEST_ASSERT(left < 1e-6 * scale);
+}
+
 TEUCHOS_UNIT_TEST(Accuracy, ReactionsAreThoseOfTheClamp) {
   const PressedBlocks blocks;
   const auto offsets = blocks.scene.offsets();

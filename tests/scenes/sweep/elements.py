@@ -107,17 +107,32 @@ def _element_stiffness(x, shape, young, poisson, is_bbar):
     return K
 
 
-def stiffness(mesh, young, poisson, is_bbar):
-    """Of all bodies, sparse [3 nodes]^2; `young` and `poisson` of each block."""
-    rows, columns, values = [], [], []
+def _blocks(mesh, young, poisson, is_bbar):
+    """Connectivity and matrices of each block's elements; coordinates from the first node, as those of thin elements far off have few digits."""
     for block, E, nu in zip(mesh.blocks, young, poisson):
-        K = _element_stiffness(mesh.coordinates[block.connectivity], block.shape, E, nu, is_bbar)
-        dofs = (3 * block.connectivity[:, :, None] + np.arange(3)).reshape(len(K), -1)
-        rows.append(np.repeat(dofs, dofs.shape[1], 1).ravel())
-        columns.append(np.tile(dofs, dofs.shape[1]).ravel())
-        values.append(K.ravel())
-    n = mesh.coordinates.size
-    return sparse.csr_matrix((np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), (n, n))
+        x = mesh.coordinates[block.connectivity]
+        yield block.connectivity, _element_stiffness(x - x[:, :1], block.shape, E, nu, is_bbar)
+
+
+def forces(mesh, young, poisson, is_bbar, u):
+    """K u [nodes x 3], by elements and from the first node's displacement: how far a body goes as a whole costs no digits.
+
+    :param young, poisson: of each block
+    """
+    result = np.zeros(u.shape)
+    for nodes, K in _blocks(mesh, young, poisson, is_bbar):
+        local = u[nodes] - u[nodes][:, :1]
+        np.add.at(result, nodes, (K @ local.reshape(len(K), -1, 1)).reshape(local.shape))
+    return result
+
+
+def rounding_forces(mesh, young, poisson, is_bbar, u):
+    """Root mean square [nodes x 3] of K du, du what the last digits of u hide: no field of doubles can be expected to be nearer to balance."""
+    squares = np.zeros(u.shape)
+    for nodes, K in _blocks(mesh, young, poisson, is_bbar):
+        local = np.spacing(np.abs(u[nodes])) ** 2 / 12
+        np.add.at(squares, nodes, (K ** 2 @ local.reshape(len(K), -1, 1)).reshape(local.shape))
+    return np.sqrt(squares)
 
 
 def faces_of(mesh, name):

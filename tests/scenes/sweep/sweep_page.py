@@ -43,7 +43,8 @@ def summary(name, rows):
     fields = max(float(row["field_equilibrium"]) for row in solved)
     spread = [max(row["F"]) - min(row["F"]) for row in solved if len(row["F"]) > 1]
     solves, seconds = over_tied(solved, "solves"), over_tied(solved, "seconds")
-    cells = [name, len(rows), len(solved), sum(set(row["status"]) == {"3"} for row in rows), sum(bool(row["remarks"]) for row in rows),
+    cells = [name, len(rows), len(solved), sum(set(row["status"]) == {"3"} for row in rows),
+             sum("2" in row["status"] and not row["remarks"] for row in rows), sum(bool(row["remarks"]) for row in rows),
              f"{np.median(counts):.0f}", f"{np.percentile(counts, 90):.0f}", counts.max(), max(spread, default=""),
              f"{np.median(solves):.1f}, {solves.max():.1f}" if len(solves) else "", f"{np.median(seconds):.1f}, {seconds.max():.0f}" if len(seconds) else "",
              f"{fields:.1e}"]
@@ -66,9 +67,9 @@ def groups(rows):
 
 
 def lines(rows):
-    yield ("| scenes | number | solved | no solution | do not hold | median F | 90th percentile | largest | spread over ranks | "
+    yield ("| scenes | number | solved | no solution | beyond digits | do not hold | median F | 90th percentile | largest | spread over ranks | "
            "solves over tied: median, largest | seconds over tied | largest field equilibrium |")
-    yield "|" + "---|" * 12
+    yield "|" + "---|" * 13
     yield from (summary(*group) for group in groups(rows))
     for families, own in (("basic", [row for row in rows if row["family"] == "basic"]), ("wide", [row for row in rows if row["family"] != "basic"])):
         yield from ("", f"Those of `--families {families}` that do not hold, and the ten with the most multiplications:", "")
