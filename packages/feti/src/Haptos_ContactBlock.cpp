@@ -146,6 +146,13 @@ void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
   }
 }
 
+// Symmetric ones, packed.  Where S is applied by its factor that is taken for as much as S_cc would be.
+double ContactBlock::entriesRead() const {
+  double sum = 0;
+  for (std::size_t c = 0; c < unknowns_.size(); ++c) sum += 0.5 * double(active_[c].size()) * double(unknowns_[c].size()) * double(unknowns_[c].size());
+  return sum;
+}
+
 // M_cc x = B_D S B_D^T x, both ends on contact rows: the inverse of their Gram matrix, B^T to the unknowns of contact nodes, S
 // between those, and back.
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {

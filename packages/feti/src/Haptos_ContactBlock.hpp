@@ -31,6 +31,9 @@ class ContactBlock final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
+  /// \brief Entries of matrices that a product reads on this rank, which is what it costs.
+  double entriesRead() const;
+
   /// \name What contact rows of M meet of the primal side.
   /// @{
   const std::vector<std::vector<int>>& activeMembers() const { return active_; }  ///< [classes] local subdomains with contact nodes

@@ -56,6 +56,7 @@ class DeflatedContactBlock final : public Operator {
   RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
+  double entriesRead() const { return block_.entriesRead() + double(Y_.size() + YK_.size()); }  // of this rank
 
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
     block_.apply(x, y, mode, alpha, beta);
@@ -306,12 +307,19 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
   return Y;
 }
 
-// Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1); K^+ is put on one side of the product.
-RCP<const Operator> DeflatedPreconditioner::contactBlock() const {
+// Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1); K^+ is put on one side of the product.  Motions that have
+// nothing on contact rows, those of subdomains without contact, take no part in it.
+DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
+  const auto& comm = *getRangeMap()->getComm();
   const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
-  if (anyOfAll(*getRangeMap()->getComm(), isSlender)) return {};
-  Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK = solve(Y.transpose()).transpose();
-  return Teuchos::rcp(new DeflatedContactBlock(base_, std::move(Y), std::move(YK)));
+  if (anyOfAll(comm, isSlender)) return {};
+  const Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK = solve(Y.transpose()).transpose();
+  const Eigen::VectorXd sizes = sumOfAll(comm, Eigen::VectorXd(Y.cwiseAbs().colwise().sum().transpose()));
+  std::vector<Eigen::Index> touching;
+  for (Eigen::Index j = 0; j < sizes.size(); ++j)
+    if (sizes[j] > 0) touching.push_back(j);
+  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, Y(Eigen::all, touching), YK(Eigen::all, touching)));
+  return {block, sumOfAll(comm, block->entriesRead())};
 }
 
 // Cholesky's factor with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.

@@ -34,7 +34,8 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
-      matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps}, balance.vectors(),
+      matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps,
+               deflated.entriesRead}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(without),

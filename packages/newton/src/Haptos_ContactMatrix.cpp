@@ -55,6 +55,8 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
   Teuchos::scan(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
   Teuchos::reduceAll(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(size_));
   first_ = end - mine;
+  const double n = double(size_), product = parts.entriesRead > 0 ? parts.entriesRead : n * n;
+  productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * product) : 0.0;
   if (kind == Kind::Dense) makeDense();
 }
 
@@ -206,10 +208,10 @@ bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
   if (dense_.size() > 0) return true;
   products_ += solution.products;
   ++solves_;
-  const bool isDear = !coarse_ && products_ > size_ && options_.rowsOfStep * products_ > size_ * solves_;
+  const bool isDear = !coarse_ && products_ > size_ && double(products_) > productsOfFactor_ * double(solves_);
   if (coarse_) numLost_ = solution.isConverged ? 0 : numLost_ + 1;
   if (solution.isConverged && !isDear) return true;
-  if (!coarse_ && makeSmooth_ && size_ >= options_.rowsOfStep * options_.coarseSteps) makeCoarse();
+  if (!coarse_ && makeSmooth_ && productsOfFactor_ >= options_.coarseSteps) makeCoarse();
   else if (size_ <= options_.rowsOfStep * options_.linearSteps && (!coarse_ || numLost_ >= options_.coarseTrials)) makeDense();
   else return true;
   return solution.isConverged;

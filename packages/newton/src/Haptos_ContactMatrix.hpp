@@ -31,6 +31,7 @@ class ContactMatrix {
     std::function<Eigen::MatrixXd()> dense{};  ///< makes the matrix of all ranks' contact values, the same on all.  Collective.  Empty: by columns.
     Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
     std::function<Eigen::MatrixXd()> smooth{};  ///< makes jumps for a coarse space [3 pairs x any].  Collective.  Empty: there are none.
+    double entriesRead = 0;                     ///< of matrices, in a product by M, over all ranks; 0: as many as of a dense one
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
@@ -102,6 +103,7 @@ class ContactMatrix {
   Kind kind_;
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
+  double productsOfFactor_ = 0;        // that a factorisation of the dense matrix is worth
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
   mutable Eigen::MatrixXd wholeKernel_;  // beside dense_: orthonormal, of all ranks
   mutable Eigen::MatrixXd compliance_;   // M^+ beside dense_, empty until it is asked for

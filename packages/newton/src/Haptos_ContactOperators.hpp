@@ -37,6 +37,7 @@ struct ContactOperators {
     std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};
     /// Makes jumps of pairs that vary slowly over the surfaces [3 x owned pairs x any], by (N, T1, T2), maybe dependent; empty: there are none.  Collective.
     std::function<Eigen::MatrixXd()> smoothJumps{};
+    double entriesRead = 0;  ///< of matrices, in a product by contactM, over all ranks; 0: not known
   };
   enum class Price { Usual, Any };
   /// Makes one, or none (M null): at the usual price where it is likely to pay for itself, at any where nothing else has led to an answer.  Empty:

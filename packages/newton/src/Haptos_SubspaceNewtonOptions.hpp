@@ -136,7 +136,7 @@ struct SubspaceNewtonOptions {
     double linearTolerance = 1e-3; ///< of a Newton step, 20 to 30 products
     int linearSteps = 150;         ///< a bound
     /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
-    /// much as n / 40 products of 2 n^2 at 1e9.
+    /// much as n / 40 products that read n^2 entries at 5e8, or more by what they read less.
     int rowsOfStep = 40;  ///< decisions/040
     /// Where a factorisation is worth at least so many products, they get a coarse space at first (`ContactCoarse`), by which they end after 20 to 60; so many solves
     /// in a row that do not end show that it is no help.

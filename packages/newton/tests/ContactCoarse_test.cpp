@@ -40,13 +40,14 @@ Eigen::Matrix3d blockK(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3)
 
 // Errors of (M + K) d = b and of (A M + B) d = b, relative.
 Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
-                       const SubspaceNewtonOptions::Condensed& options) {
+                       const SubspaceNewtonOptions::Condensed& options, double entriesRead = 0) {
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
   Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
   for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
-  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth},
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth,
+                              entriesRead},
                              t.vectors, ContactMatrix::Kind::Products, options);
   const DenseVector expected = numbers(kRows, 0.4);
   DenseVector symmetric = m.M * expected, general = symmetric;
@@ -92,6 +93,13 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     const auto useless = columns(DenseMatrix::Identity(kRows, 2));
     TEST_COMPARE(errors(t, m, isFloating, useless, options).minCoeff(), >, 1e-3);
     options.rowsOfStep = 40;
+    options.coarseTrials = 100;
+    TEST_COMPARE(errors(t, m, isFloating, useless, options).minCoeff(), >, 1e-3);
+    options.coarseSteps = 1000000;  // a factorisation is not worth that many products: the dense matrix comes at once
+    TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
+    options.coarseSteps = 1;  // but of products as dear as a million dense ones
+    TEST_COMPARE(errors(t, m, isFloating, useless, options, 1e6 * kRows * kRows).maxCoeff(), <, 1e-6);
+    options.coarseSteps = 0;
     options.coarseTrials = 1;
     TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
     TEST_COMPARE(errors(t, m, isFloating, columns(DenseMatrix::Zero(kRows, 2)), options).maxCoeff(), <, 1e-6);

@@ -100,8 +100,9 @@ struct SubspaceNewtonSolver::Impl {
     const Made::Spectra usual{context.system.model().isHard ? Made::kLargestSpectrum : Made::kUsualSpectrum};
     deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : usual);
     if (deflated.is_null()) return {};
-    return {deflated, deflated->contactBlock(), trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
-            [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }};
+    const Made::Block block = deflated->contactBlock();
+    return {deflated, block.M, trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
+            [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }, block.entriesRead};
   }
 
   double estimateKkt(const Vector& l, const Vector& s) {
