@@ -56,13 +56,13 @@ class DeflatedPreconditioner final : public Operator {
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0,
              double beta = 0.0) const override;
 
-  /// \brief M_Z between contact rows, on `MultiplierMap::contactMap`, as M_cc - Y_c K^+ Y_c^T with Y = B_D S Z: far cheaper than M_Z.
-  ///
-  /// Null where subdomains are slender on any rank: the difference would lose the digits of their soft motions.  Collective.
   struct Block {
     RCP<const Operator> M;
     double entriesRead = 0;  ///< of matrices, in a product, over all ranks
   };
+  /// \brief M_Z between contact rows, on `MultiplierMap::contactMap`, as M_cc - Y_c K^+ Y_c^T with Y = B_D S Z: far cheaper than M_Z.
+  ///
+  /// Null where subdomains are slender on any rank: the difference would lose the digits of their soft motions.  Collective.
   Block contactBlock() const;
 
   /// \brief M_Z between rows of all ranks, as a Gram matrix, which keeps it semidefinite; far cheaper than by columns of M_Z.
