@@ -33,7 +33,7 @@ class WrittenField {
   void project(Vector& x, Keep keep) const;
   RCP<Vector> makeDiagonal() const;
   void multiply(const Vector& x, Vector& y, const StiffnessProduct& product) const;
-  void move(const Vector& d, const Vector& residual);
+  void updateSince(const Vector& before);
   void measure();
 
   const AccuracyInput& model_;

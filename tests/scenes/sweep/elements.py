@@ -6,7 +6,6 @@ import pathlib
 import sys
 
 import numpy as np
-import scipy.sparse as sparse
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[3] / "drivers"))
 from haptos_exodus import CORNERS, SIDES, nodes_in_middles  # noqa: E402
@@ -107,32 +106,20 @@ def _element_stiffness(x, shape, young, poisson, is_bbar):
     return K
 
 
-def _blocks(mesh, young, poisson, is_bbar):
-    """Connectivity and matrices of each block's elements; coordinates from the first node, as those of thin elements far off have few digits."""
-    for block, E, nu in zip(mesh.blocks, young, poisson):
-        x = mesh.coordinates[block.connectivity]
-        yield block.connectivity, _element_stiffness(x - x[:, :1], block.shape, E, nu, is_bbar)
-
-
 def forces(mesh, young, poisson, is_bbar, u):
-    """K u [nodes x 3], by elements and from the first node's displacement: how far a body goes as a whole costs no digits.
+    """K u [nodes x 3], and the root mean square of K du, du what the last digits of u hide: no field of doubles can be expected to be nearer to balance.
 
+    By elements, coordinates and displacements from their first node: how far off a body is or goes costs no digits.
     :param young, poisson: of each block
     """
-    result = np.zeros(u.shape)
-    for nodes, K in _blocks(mesh, young, poisson, is_bbar):
-        local = u[nodes] - u[nodes][:, :1]
+    result, squares = np.zeros(u.shape), np.zeros(u.shape)
+    for block, E, nu in zip(mesh.blocks, young, poisson):
+        nodes = block.connectivity
+        x, local, hidden = mesh.coordinates[nodes], u[nodes] - u[nodes][:, :1], np.spacing(np.abs(u[nodes])) ** 2 / 12
+        K = _element_stiffness(x - x[:, :1], block.shape, E, nu, is_bbar)
         np.add.at(result, nodes, (K @ local.reshape(len(K), -1, 1)).reshape(local.shape))
-    return result
-
-
-def rounding_forces(mesh, young, poisson, is_bbar, u):
-    """Root mean square [nodes x 3] of K du, du what the last digits of u hide: no field of doubles can be expected to be nearer to balance."""
-    squares = np.zeros(u.shape)
-    for nodes, K in _blocks(mesh, young, poisson, is_bbar):
-        local = np.spacing(np.abs(u[nodes])) ** 2 / 12
-        np.add.at(squares, nodes, (K ** 2 @ local.reshape(len(K), -1, 1)).reshape(local.shape))
-    return np.sqrt(squares)
+        np.add.at(squares, nodes, (K ** 2 @ hidden.reshape(len(K), -1, 1)).reshape(local.shape))
+    return result, np.sqrt(squares)
 
 
 def faces_of(mesh, name):
