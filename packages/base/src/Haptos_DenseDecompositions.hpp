@@ -65,6 +65,8 @@ class PivotedCholesky {
   PivotedCholesky(Eigen::MatrixXd A, double least);
   /// \brief A x = b for b in the image of A, x = 0 where pivots were left out.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
+  /// \brief X [rank x columns] with X^T X = B^T A^+ B, for B in the image of A.
+  Eigen::MatrixXd solveHalf(const Eigen::MatrixXd& B) const;
   Eigen::Index rank() const { return Eigen::Index(pivots_.size()); }
 
  private:

@@ -34,13 +34,18 @@ PivotedCholesky::PivotedCholesky(Eigen::MatrixXd A, double least) : size_(A.rows
   for (int k = 0; k < rank; ++k) pivots_.push_back(pivots[std::size_t(k)] - 1);
 }
 
-Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
-  Eigen::MatrixXd X(rank(), B.cols()), all = Eigen::MatrixXd::Zero(size_, B.cols());
-  if (X.size() == 0) return all;  // a rank without contact rows asks for no column, and Eigen would take the address of the first
+Eigen::MatrixXd PivotedCholesky::solveHalf(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd X(rank(), B.cols());
+  if (X.size() == 0) return X;  // a rank without contact rows asks for no column, and Eigen would take the address of the first
   for (Eigen::Index k = 0; k < rank(); ++k) X.row(k) = B.row(pivots_[std::size_t(k)]);
-  const auto L = L_.triangularView<Eigen::Lower>();
-  L.solveInPlace(X);
-  L.transpose().solveInPlace(X);
+  L_.triangularView<Eigen::Lower>().solveInPlace(X);
+  return X;
+}
+
+Eigen::MatrixXd PivotedCholesky::solve(const Eigen::MatrixXd& B) const {
+  Eigen::MatrixXd X = solveHalf(B), all = Eigen::MatrixXd::Zero(size_, B.cols());
+  if (X.size() == 0) return all;
+  L_.triangularView<Eigen::Lower>().transpose().solveInPlace(X);
   for (Eigen::Index k = 0; k < rank(); ++k) all.row(pivots_[std::size_t(k)]) = X.row(k);
   return all;
 }

@@ -70,6 +70,9 @@ TEUCHOS_UNIT_TEST(PivotedCholesky, LeavesDependentRowsOut) {
   const Dense x = factor.solve(b);
   TEST_COMPARE((A * x - b).norm(), <, 1e-9 * b.norm());
   TEST_EQUALITY((x.col(0).array() == 0).count(), n - rank);
+  const Dense half = factor.solveHalf(b);
+  TEST_EQUALITY(half.rows(), rank);
+  TEST_COMPARE((half.transpose() * half - b.transpose() * x).norm(), <, 1e-9 * (b.transpose() * x).norm());
   TEST_EQUALITY(factor.solve(Dense(n, 0)).cols(), 0);
   TEST_EQUALITY(PivotedCholesky(Dense::Zero(3, 3), 1e-10).solve(Dense::Ones(3, 1)).norm(), 0.0);
 }

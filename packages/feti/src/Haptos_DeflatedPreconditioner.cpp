@@ -9,6 +9,7 @@
 #include <type_traits>
 
 #include "Haptos_ContactBlock.hpp"
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_NeighbourStiffness.hpp"
 #include "Haptos_Reductions.hpp"
@@ -46,30 +47,29 @@ void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
   all.rightCols(more.cols()) = more;
 }
 
-// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  Both factors lie with their
-// contact rows; g = Y_c^T x is summed over the ranks, and K^+ is in YK = Y_c K^+ already.
+// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  W W^T = Y_c K^+ Y_c^T lies with its
+// contact rows; g = W^T x is summed over the ranks.
 class DeflatedContactBlock final : public Operator {
  public:
-  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd Y, Eigen::MatrixXd YK)
-      : block_(base), Y_(std::move(Y)), YK_(std::move(YK)) {}
+  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd W) : block_(base), W_(std::move(W)) {}
 
   RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
-  double entriesRead() const { return block_.entriesRead() + double(Y_.size() + YK_.size()); }  // of this rank
+  double entriesRead() const { return block_.entriesRead() + 2 * double(W_.size()); }  // of this rank
 
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
     block_.apply(x, y, mode, alpha, beta);
     const auto values = x.get1dView();
-    const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> X(values.getRawPtr(), Y_.rows(), Eigen::Index(x.getNumVectors()),
+    const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> X(values.getRawPtr(), W_.rows(), Eigen::Index(x.getNumVectors()),
                                                                       Eigen::OuterStride<>(Eigen::Index(x.getStride())));
-    const auto g = sumOfAll(*getRangeMap()->getComm(), Eigen::MatrixXd(Y_.transpose() * X));
-    columnsOf(y) -= alpha * (YK_ * g);
+    const auto g = sumOfAll(*getRangeMap()->getComm(), Eigen::MatrixXd(W_.transpose() * X));
+    columnsOf(y).noalias() -= W_ * (alpha * g);
   }
 
  private:
   ContactBlock block_;
-  Eigen::MatrixXd Y_, YK_;  // [owned contact rows x coarse]
+  Eigen::MatrixXd W_;  // [owned contact rows x any]
 };
 
 }  // namespace
@@ -307,19 +307,31 @@ Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) 
   return Y;
 }
 
-// Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1); K^+ is put on one side of the product.  Motions that have
-// nothing on contact rows, those of subdomains without contact, take no part in it.
+// Y_c by columns of C H Z, which are B_D (C H Z) where nothing is slender (H = 1).
 DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
   const auto& comm = *getRangeMap()->getComm();
   const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
   if (anyOfAll(comm, isSlender)) return {};
-  const Eigen::MatrixXd Y = rowsOfBCZ(base_->jump().multipliers().contactRows()), YK = solve(Y.transpose()).transpose();
-  const Eigen::VectorXd sizes = sumOfAll(comm, Eigen::VectorXd(Y.cwiseAbs().colwise().sum().transpose()));
+  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, rootOfDeflation(rowsOfBCZ(base_->jump().multipliers().contactRows()))));
+  return {block, sumOfAll(comm, block->entriesRead())};
+}
+
+// W with W W^T = Y K^+ Y^T, of as few columns as are needed: motions without contact have nothing in Y.  Between the others K^+ is C^T C, and
+// with C = Q R they have W = Y R^T.
+Eigen::MatrixXd DeflatedPreconditioner::rootOfDeflation(const Eigen::MatrixXd& Y) const {
+  const Eigen::VectorXd sizes = sumOfAll(*getRangeMap()->getComm(), Eigen::VectorXd(Y.cwiseAbs().colwise().sum().transpose()));
   std::vector<Eigen::Index> touching;
   for (Eigen::Index j = 0; j < sizes.size(); ++j)
     if (sizes[j] > 0) touching.push_back(j);
-  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, Y(Eigen::all, touching), YK(Eigen::all, touching)));
-  return {block, sumOfAll(comm, block->entriesRead())};
+  const Eigen::Index k = Eigen::Index(touching.size());
+  if (k == 0) return Eigen::MatrixXd(Y.rows(), 0);
+  if (k >= factor_->rank()) return factor_->solveHalf(scale_.asDiagonal() * Y.transpose()).transpose();
+  Eigen::MatrixXd units = Eigen::MatrixXd::Zero(scale_.size(), k);
+  for (Eigen::Index j = 0; j < k; ++j) units(touching[std::size_t(j)], j) = scale_[touching[std::size_t(j)]];
+  Eigen::MatrixXd C = factor_->solveHalf(units);
+  factorQrInPlace(C);
+  const Eigen::MatrixXd R = C.topRows(k).triangularView<Eigen::Upper>();
+  return Y(Eigen::all, touching) * R.transpose();
 }
 
 // Cholesky's factor with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.

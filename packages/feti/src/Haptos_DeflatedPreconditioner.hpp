@@ -92,6 +92,7 @@ class DeflatedPreconditioner final : public Operator {
   void onSubdomains(MultiVector& t, Local&& local) const;
   void assemble();
   Eigen::MatrixXd rowsOfBCZ(const std::vector<int>& rows) const;
+  Eigen::MatrixXd rootOfDeflation(const Eigen::MatrixXd& Y) const;
   void factor(const Eigen::MatrixXd& K);
   void project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const;
   void makeHalves(MultiVector& t, SubdomainColumns& half, SubdomainColumns& rest) const;

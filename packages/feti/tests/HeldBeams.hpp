@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Tpetra_Core.hpp>
+#include <array>
 
 #include "FetiScene.hpp"
 #include "Haptos_DualPreconditioner.hpp"
@@ -8,15 +9,15 @@
 
 namespace Haptos::Testing {
 
-/// \brief Two beams of 4 x 2 x 2 bricks in four METIS parts, held at one end, and their Dirichlet preconditioner in double precision.
+/// \brief Two beams of bricks in METIS parts, held at one end, and their Dirichlet preconditioner in double precision.
 struct HeldBeams {
   Scene scene;
   Feti feti;
   RCP<DualPreconditioner> M;
 
-  explicit HeldBeams(double height, double distortion = 0) {
-    SceneOptions options = heldScene(4);
-    options.lower = options.upper = {4, 2, 2};
+  explicit HeldBeams(double height, double distortion = 0, const std::array<int, 3>& bricks = {4, 2, 2}, int parts = 4) {
+    SceneOptions options = heldScene(parts);
+    options.lower = options.upper = bricks;
     options.distortion = distortion;
     options.height = height;
     scene = makeScene(options);

@@ -3,6 +3,7 @@
 
 #include <Teuchos_RCP.hpp>
 #include <Tpetra_Operator.hpp>
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -63,6 +64,12 @@ struct CondensedContact::Model {
     return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
   }
 
+  // The last steps have left more than `trialLeaves`: a path that is at hand is shorter.
+  bool isCreeping(const std::vector<double>& norms) const {
+    const std::size_t k = norms.size() - 1, before = std::size_t(options.trialSteps);
+    return k >= before && *std::min_element(norms.end() - options.trialSteps, norms.end()) > options.trialLeaves * norms[k - before];
+  }
+
   // Damped Newton; where nothing descends, the full step lets the active set move, unless a path is at hand.  Returns the best point,
   // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
   Point newton(Point point, double target) const {
@@ -85,7 +92,7 @@ struct CondensedContact::Model {
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       norms.push_back(point.norm);
       if (point.norm < best.norm) best = point;
-      if (path.hasStages() && k + 1 >= options.trialSteps && best.norm > options.trialLeaves * first.norm) break;
+      if (path.hasStages() && isCreeping(norms)) break;
     }
     return best;
   }

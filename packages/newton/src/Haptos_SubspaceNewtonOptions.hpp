@@ -128,8 +128,9 @@ struct SubspaceNewtonOptions {
     /// 1200 of 1381 pairs came to be open, each a tenth of a step of the path (decisions/040).
     int smallSteps = 100;
     double smallLeaves = 0.5;
-    int trialSteps = 2;            ///< where a path has stages to begin at, Newton's method ends after so many steps that leave more
-    double trialLeaves = 0.5;      ///< than this: it found its way at once, or took all its steps for nothing
+    /// Where a path has stages to begin at, Newton's method ends where the last so many steps leave more than this (decisions/040).
+    int trialSteps = 2;
+    double trialLeaves = 0.5;
     double farthest = 10;          ///< growth of the jumps that ends it where friction holds bodies; 1e3 to 1e6 where it goes wrong
     double leastStep = 1e-3;       ///< of the line search; then the step of the least residual, or the full one
     double armijo = 1e-4;
