@@ -102,6 +102,9 @@ Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B);
 /// \param kernel orthonormal, A does not feel it.  Where it is all of the kernel a factor is enough, else all eigenvectors are made.
 Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least);
 
+/// \brief A x by BLAS, A symmetric, its lower triangle read: half of what a product reads, where Eigen's own takes four times as long.
+Eigen::VectorXd symmetricTimes(const Eigen::MatrixXd& A, const Eigen::VectorXd& x);
+
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);

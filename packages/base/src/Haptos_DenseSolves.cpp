@@ -16,6 +16,14 @@ extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* ld
 
 namespace Haptos {
 
+Eigen::VectorXd symmetricTimes(const Eigen::MatrixXd& A, const Eigen::VectorXd& x) {
+  const int n = int(A.rows()), stride = 1;
+  const double one = 1, zero = 0;
+  Eigen::VectorXd y(n);
+  if (n > 0) dsymv_("L", &n, &one, A.data(), &n, x.data(), &stride, &zero, y.data(), &stride);
+  return y;
+}
+
 // A P = Q R: the columns of A that pivoting finds independent, and Q.
 PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : Q(A.rows(), 0) {
   if (A.size() == 0) return;  // the decomposition looks for a largest column

@@ -80,6 +80,7 @@ RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const D
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
   if (!result->findMotions(slender, spectra) || result->numMotions() > kLargest) return {};
   result->assemble();
+  result->S_.clear();
   return result;
 }
 
@@ -98,7 +99,7 @@ bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const
   const LocalSystems& systems = base_->systems();
   motions_.resize(std::size_t(systems.size()));
   L_.resize(std::size_t(systems.numClasses()));
-  std::vector<Eigen::MatrixXd> S(L_.size());
+  S_.resize(L_.size());
   const auto isSlender = [&](int c) { return slender[std::size_t(systems.members()[std::size_t(c)].front())] != 0; };
   const auto hasSpectrum = [&](int c) { return !isSlender(c) && int(base_->surface().boundary(c).size()) <= spectra.largestBoundary; };
   bool mine = false;
@@ -115,9 +116,9 @@ bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const
       L_[std::size_t(c)] = std::move(soft.L);
       for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
     }
-    if (any) S[std::size_t(c)] = std::move(Sc);
+    if (any) S_[std::size_t(c)] = std::move(Sc);
   }
-  return !any || takeSpectralModes(findSpectralModes(S, spectra), spectra);
+  return !any || takeSpectralModes(findSpectralModes(S_, spectra), spectra);
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
@@ -213,11 +214,15 @@ void DeflatedPreconditioner::fromHalf(MultiVector& t) const {
   });
 }
 
-// t := C t: t where a subdomain is slender, S t where it is not
+// t := C t: t where a subdomain is slender, S t where it is not, by its dense matrix as long as that is there
 void DeflatedPreconditioner::applyRest(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) return;
     Eigen::MatrixXd y(x.rows(), x.cols());
+    if (!S_.empty() && S_[std::size_t(c)].size() > 0) {
+      x = timesSparse(S_[std::size_t(c)], x);
+      return;
+    }
     base_->surface().apply(c, x, y);
     x = std::move(y);
   });

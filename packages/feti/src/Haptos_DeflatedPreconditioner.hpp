@@ -105,6 +105,7 @@ class DeflatedPreconditioner final : public Operator {
   // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.
   std::vector<Eigen::MatrixXd> motions_;  // [local subdomains] on the boundary
   std::vector<Eigen::MatrixXd> L_;        // [classes] empty where subdomains are not slender
+  std::vector<Eigen::MatrixXd> S_;        // [classes] while K is made; empty, or of those whose spectra are looked for
   SubdomainColumns HZ_, CHZ_;             // [local primal x coarse]
   mutable long applications_ = 0;
   Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)

@@ -92,7 +92,7 @@ void SparseLdl::factor(const Matrix& A) {
 }
 
 Eigen::VectorXd SparseLdl::solve(const Eigen::VectorXd& b) const {
-  if (b.size() == 0) return b;
+  if (b.isZero(0)) return b;  // of columns most have nothing here
   // P^T L^-T D^-1 L^-1 P b
   Eigen::VectorXd x = order_ * b;
   const std::size_t n = inversePivots_.size();

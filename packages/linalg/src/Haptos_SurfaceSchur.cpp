@@ -19,6 +19,7 @@ constexpr Eigen::Index blockWidth = 64;  // columns at a time: products of matri
 /// A X with the columns beside each other, so that an entry of A is met once for all of them: by columns the products took as long as the solves.
 template <class Sparse>
 Eigen::MatrixXd timesColumns(const Sparse& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  if (X.cols() == 1) return A * X.col(0);
   using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   const ByRows x = X, product = A * x;
   return product;

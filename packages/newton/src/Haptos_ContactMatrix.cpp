@@ -57,7 +57,8 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
   first_ = end - mine;
   const double n = double(size_), product = parts.entriesRead > 0 ? parts.entriesRead : n * n;
   productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * product) : 0.0;
-  if (kind == Kind::Dense) makeDense();
+  isCheaperDense_ = 2 * parts.entriesRead > n * n;
+  if (kind == Kind::Dense) makeDirect();
 }
 
 // M times `count` columns, `columns(first, width)` of them at a time
@@ -66,7 +67,8 @@ Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::fu
   Eigen::MatrixXd result(3 * vectors_.numPairs(), count);
   for (Eigen::Index j = 0; j < count; j += kAtATime) {
     const Eigen::Index width = std::min(kAtATime, count - j);
-    result.middleCols(j, width) = scaling_ * vectors_.applyOnContactByColumns(*M_, columns(j, width));
+    if (dense_.size() > 0) result.middleCols(j, width) = dense_.middleRows(first_, result.rows()) * onAllRanks(columns(j, width));
+    else result.middleCols(j, width) = scaling_ * vectors_.applyOnContactByColumns(*M_, columns(j, width));
   }
   return result;
 }
@@ -101,10 +103,21 @@ void ContactMatrix::makeCoarse() const {
   twoLevel_ = std::make_unique<TwoLevelPreconditioner>(*coarse_, M);
 }
 
+// For factors.  What was made for products has not the digits of what is made whole.
+void ContactMatrix::makeDirect() const {
+  if (makeWhole_) keepDense(scaling_ * makeWhole_());
+  else if (dense_.size() == 0) keepDense(byColumns());
+  isDirect_ = true;
+}
+
+// Half of a dense symmetric matrix is read by a product; it is made where more than that has been read long enough to pay for it.
+void ContactMatrix::makeDenseForProducts() const {
+  if (isCheaperDense_ && dense_.size() == 0 && options_.productsOfRow * products_ > size_) keepDense(byColumns());
+}
+
 // Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
-void ContactMatrix::makeDense() const {
-  dense_ = makeWhole_ ? Eigen::MatrixXd(scaling_ * makeWhole_()) : byColumns();
-  dense_ = (0.5 * (dense_ + dense_.transpose())).eval();
+void ContactMatrix::keepDense(const Eigen::MatrixXd& matrix) const {
+  dense_ = 0.5 * (matrix + matrix.transpose());
   wholeKernel_ = Eigen::MatrixXd(size_, 0);
   if (kernel_.cols() == 0) return;
   wholeKernel_ = onAllRanks(kernel_ * orthonormalizer(vectors_.comm(), kernel_));
@@ -124,6 +137,7 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   if (dense_.size() == 0) return scaling_ * vectors_.applyOnContact(*M_, x);
   Eigen::VectorXd all = onAllRanks(x);
   all -= wholeKernel_ * (wholeKernel_.transpose() * all);  // bodies that went far would leave round-off of their way
+  if (x.size() == size_) return symmetricTimes(dense_, all);
   return dense_.middleRows(first_, x.size()) * all;
 }
 
@@ -149,7 +163,7 @@ Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const 
     const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
     equations.known = {kernel_ * T, images * T};
   }
-  while (dense_.size() == 0) {
+  while (!isDirect_) {
     auto solution = coarse_ ? solveByCoarse(equations, A, B, inverse, b) : equations.solveByGmres(vectors_, b);
     if (mayStay(solution)) return std::move(solution.x);
   }
@@ -188,7 +202,7 @@ Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { retu
 // Where Cholesky's method is no good for the matrix LU may be.
 Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   std::optional<ContactEquations::Solution> byCg;
-  while (M_.dense_.size() == 0) {
+  while (!M_.isDirect_) {
     if (!equations_ || isCoarse_ != (M_.coarse_ != nullptr)) equations_ = M_.symmetricEquations(K_), isCoarse_ = M_.coarse_ != nullptr;
     byCg = equations_->solveByCg(M_.vectors_, b);
     if (M_.mayStay(*byCg)) return byCg->x;
@@ -205,14 +219,15 @@ Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
 // A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time.  A coarse space helps it where pairs
 // are many, the dense matrix, which costs a product a row once, where a factorisation is cheaper.
 bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
-  if (dense_.size() > 0) return true;
+  if (isDirect_) return true;
   products_ += solution.products;
   ++solves_;
+  makeDenseForProducts();
   const bool isDear = !coarse_ && products_ > size_ && double(products_) > productsOfFactor_ * double(solves_);
   if (coarse_) numLost_ = solution.isConverged ? 0 : numLost_ + 1;
   if (solution.isConverged && !isDear) return true;
   if (!coarse_ && makeSmooth_ && productsOfFactor_ >= options_.coarseSteps) makeCoarse();
-  else if (size_ <= options_.rowsOfStep * options_.linearSteps && (!coarse_ || numLost_ >= options_.coarseTrials)) makeDense();
+  else if (size_ <= options_.rowsOfStep * options_.linearSteps && (!coarse_ || numLost_ >= options_.coarseTrials)) makeDirect();
   else return true;
   return solution.isConverged;
 }

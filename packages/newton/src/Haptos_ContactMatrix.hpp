@@ -78,7 +78,9 @@ class ContactMatrix {
   Eigen::VectorXd solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
   Eigen::VectorXd withoutFree(const Blocks& B, Eigen::VectorXd d) const;
   Eigen::VectorXd partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const;
-  void makeDense() const;
+  void makeDirect() const;
+  void makeDenseForProducts() const;
+  void keepDense(const Eigen::MatrixXd& matrix) const;
   void makeCoarse() const;
   Eigen::MatrixXd multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const;
   Eigen::MatrixXd byColumns() const;
@@ -104,7 +106,9 @@ class ContactMatrix {
   SubspaceNewtonOptions::Condensed options_;
   Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
   double productsOfFactor_ = 0;        // that a factorisation of the dense matrix is worth
+  bool isCheaperDense_ = false;        // for products: half of it is less than what they read of M
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
+  mutable bool isDirect_ = false;      // systems are solved by factors of dense_
   mutable Eigen::MatrixXd wholeKernel_;  // beside dense_: orthonormal, of all ranks
   mutable Eigen::MatrixXd compliance_;   // M^+ beside dense_, empty until it is asked for
   mutable bool isCompliant_ = true;      // it solves what it is used for

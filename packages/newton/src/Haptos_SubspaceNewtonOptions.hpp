@@ -139,6 +139,9 @@ struct SubspaceNewtonOptions {
     /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
     /// much as n / 40 products that read n^2 entries at 5e8, or more by what they read less.
     int rowsOfStep = 40;  ///< decisions/040
+    /// Products that read more than half of the dense matrix have it made once they are one for so many rows: a column costs a fourth of a product, as
+    /// many come at a time (decisions/049).
+    int productsOfRow = 4;
     /// Where a factorisation is worth at least so many products, they get a coarse space at first (`ContactCoarse`), by which they end after 20 to 60; so many solves
     /// in a row that do not end show that it is no help.
     int coarseSteps = 25, coarseTrials = 3;

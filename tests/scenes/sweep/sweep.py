@@ -181,7 +181,7 @@ def main():
     rows = []
     with tempfile.TemporaryDirectory() as temporary:
         folder = arguments.keep or pathlib.Path(temporary)
-        folder.mkdir(exist_ok=True)
+        folder.mkdir(parents=True, exist_ok=True)
         for index in arguments.only or range(arguments.count):
             rows.append(examine(arguments, index, folder))
             print(*table(rows[-1:])[2:], flush=True)
