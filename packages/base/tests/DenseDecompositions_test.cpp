@@ -34,16 +34,18 @@ struct Pencil {
 
 }  // namespace
 
-// A few of them above the bound in a matrix that is large, some of those close together; with all of them above it, and in a small one.
+// A few of them above the bound in a matrix that is large, some of those close together; with all of them above it, and in a small one; none, or one that
+// is hardly above it.
 TEUCHOS_UNIT_TEST(LargestEigen, FindsAllAboveABound) {
-  for (const auto& [n, many] : {std::pair(700, 50), {700, 600}, {90, 20}}) {
+  for (const auto& [n, many] : {std::pair(700, 50), {700, 600}, {90, 20}, {90, 0}, {90, 1}}) {
     Values theta(n);
     for (Eigen::Index k = 0; k < n; ++k) theta[k] = k < n - many ? 3.5 * double(k + 1) / double(n - many) : 5 * std::pow(200.0, double((k - n + many) / 2 * 2) / many);
+    if (many == 1) theta[n - 1] = 4.001;
     const Pencil pencil(theta);
     const LargestEigen found(pencil.A, pencil.B, 4);
     TEST_EQUALITY(found.values.size(), Eigen::Index(many));
     TEST_EQUALITY(found.vectors.cols(), Eigen::Index(many));
-    if (found.values.size() != many) continue;
+    if (found.values.size() != many || many == 0) continue;
     for (Eigen::Index k = 0; k < many; ++k) TEST_COMPARE(std::abs(found.values[k] / theta[n - many + k] - 1), <, 0.01);
     const Dense &V = found.vectors, gram = V.transpose() * pencil.B * V;
     TEST_COMPARE((gram - Dense::Identity(many, many)).cwiseAbs().maxCoeff(), <, 1e-9);
@@ -60,6 +62,13 @@ TEUCHOS_UNIT_TEST(LargestEigen, FindsNoneOfWhatIsNotDefinite) {
     TEST_EQUALITY(LargestEigen(2 * Dense::Identity(n, n), B, 1).values.size(), 0);
     TEST_EQUALITY(LargestEigen(0.5 * Dense::Identity(n, n), Dense::Identity(n, n), 1).values.size(), 0);
   }
+}
+
+TEUCHOS_UNIT_TEST(SymmetricTimes, ReadsTheLowerTriangle) {
+  const Dense A = numbers(70, 70, 0.7), symmetric = A.selfadjointView<Eigen::Lower>();
+  const Values x = numbers(70, 1, 0.2);
+  TEST_COMPARE((symmetricTimes(A, x) - symmetric * x).norm(), <, 1e-13 * A.norm() * x.norm());
+  TEST_EQUALITY(symmetricTimes(Dense(0, 0), Values(0)).size(), 0);
 }
 
 TEUCHOS_UNIT_TEST(PivotedCholesky, LeavesDependentRowsOut) {
