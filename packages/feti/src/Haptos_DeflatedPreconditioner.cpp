@@ -80,7 +80,7 @@ RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const D
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
   if (!result->findMotions(slender, spectra) || result->numMotions() > kLargest) return {};
   result->assemble();
-  result->S_.clear();
+  result->S_.assign(result->L_.size(), {});
   return result;
 }
 
@@ -218,13 +218,9 @@ void DeflatedPreconditioner::fromHalf(MultiVector& t) const {
 void DeflatedPreconditioner::applyRest(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) return;
-    Eigen::MatrixXd y(x.rows(), x.cols());
-    if (!S_.empty() && S_[std::size_t(c)].size() > 0) {
-      x = timesSparse(S_[std::size_t(c)], x);
-      return;
-    }
-    base_->surface().apply(c, x, y);
-    x = std::move(y);
+    const Eigen::MatrixXd &S = S_[std::size_t(c)], given = x;
+    if (S.size() > 0) x = timesSparse(S, given);
+    else base_->surface().apply(c, given, x);
   });
 }
 

@@ -92,7 +92,7 @@ void SparseLdl::factor(const Matrix& A) {
 }
 
 Eigen::VectorXd SparseLdl::solve(const Eigen::VectorXd& b) const {
-  if (b.isZero(0)) return b;  // of columns most have nothing here
+  if (b.isZero(0)) return b;  // most motions have nothing where rows couple
   // P^T L^-T D^-1 L^-1 P b
   Eigen::VectorXd x = order_ * b;
   const std::size_t n = inversePivots_.size();
