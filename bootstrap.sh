@@ -260,8 +260,8 @@ do_test() {
   say "testing"
   # Tests written in Python take the python3 of the environment; where it lacks a package they are skipped.
   export PATH=$root/build/venv/bin:$PATH
-  # one more than there are cores: tests wait for programs to start and for ranks
-  ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(($(count_cores) + 1))" "${selection[@]}" "$@"
+  # two more than there are cores: tests wait for programs to start and for ranks
+  ctest --test-dir "$build" --output-on-failure --no-tests=error -j "$(($(count_cores) + 2))" "${selection[@]}" "$@"
 }
 
 do_install() {

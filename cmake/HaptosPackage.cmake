@@ -38,9 +38,10 @@ function(haptos_add_package name)
   set_property(GLOBAL APPEND PROPERTY HAPTOS_PACKAGES ${name})
 endfunction()
 
-# What every test runs in: one thread a rank, and MPI that lets ranks share cores.
+# What every test runs in: one thread a rank, and MPI that lets ranks share cores and does not wait a second before it ends the ranks of a run that
+# ends with status 1.
 set(HAPTOS_TEST_ENVIRONMENT OPENBLAS_NUM_THREADS=1 OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
-    OMPI_MCA_mpi_yield_when_idle=1 PYTHONDONTWRITEBYTECODE=1
+    OMPI_MCA_mpi_yield_when_idle=1 OMPI_MCA_odls_base_sigkill_timeout=0 PYTHONDONTWRITEBYTECODE=1
     LSAN_OPTIONS=suppressions=${PROJECT_SOURCE_DIR}/cmake/leaks_of_others.txt:print_suppressions=0)
 
 # What LeakSanitizer finds in a plugin of MPI can be told from what is ours only as long as the plugin is loaded: tests begin with a

@@ -31,7 +31,7 @@ run_one() {
   shift
   case $name in
     sanitize) cmake --preset sanitize; scale=10 ;;
-    klu2) cmake --preset release -B "$build" -DHAPTOS_CHOLMOD=OFF -DHAPTOS_PRECOMPILE=OFF; scale=4 ;;
+    klu2) cmake --preset release -B "$build" -DHAPTOS_CHOLMOD=OFF -DHAPTOS_PRECOMPILE=OFF -DCMAKE_UNITY_BUILD=OFF; scale=4 ;;
   esac
   cmake -DHAPTOS_TIMEOUT_SCALE=$scale "$build"
   nice -n 19 cmake --build "$build" --parallel "$jobs"

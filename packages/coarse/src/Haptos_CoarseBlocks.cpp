@@ -12,7 +12,6 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = CoarseBlocks::kModes;
 using Block = CoarseBlocks::Block;
 using BlockMap = CoarseBlocks::Map;
 
@@ -56,8 +55,8 @@ Bytes packBlocks(const BlockMap& blocks) {
 
 Block transposed(const Block& block) {
   Block result;
-  for (int a = 0; a < kModes; ++a)
-    for (int b = 0; b < kModes; ++b) result[std::size_t(b * kModes + a)] = block[std::size_t(a * kModes + b)];
+  for (int a = 0; a < kCoarseModes; ++a)
+    for (int b = 0; b < kCoarseModes; ++b) result[std::size_t(b * kCoarseModes + a)] = block[std::size_t(a * kCoarseModes + b)];
   return result;
 }
 
@@ -90,8 +89,8 @@ struct AlikeRows {
 
 // Whether columns come as six of a subdomain; else the row is padded with zeros, so that there is one kernel for all.
 bool hasWholeSubdomains(const int* columns, int length) {
-  bool whole = length % kModes == 0;
-  for (int i = 0; i < length && whole; i += kModes) whole = columns[i] % kModes == 0 && columns[i + kModes - 1] == columns[i] + kModes - 1;
+  bool whole = length % kCoarseModes == 0;
+  for (int i = 0; i < length && whole; i += kCoarseModes) whole = columns[i] % kCoarseModes == 0 && columns[i + kCoarseModes - 1] == columns[i] + kCoarseModes - 1;
   return whole;
 }
 
@@ -102,12 +101,12 @@ class PaddedRow {
     columns_.clear();
     values_.clear();
     for (int i = 0; i < row.length; ++i) {
-      const int first = row.columns[i] / kModes * kModes;
+      const int first = row.columns[i] / kCoarseModes * kCoarseModes;
       if (columns_.empty() || columns_.back() < first) {
-        for (int m = 0; m < kModes; ++m) columns_.push_back(first + m);
+        for (int m = 0; m < kCoarseModes; ++m) columns_.push_back(first + m);
         values_.resize(columns_.size(), 0.0);
       }
-      values_[values_.size() - kModes + std::size_t(row.columns[i] - first)] = row.values[i];
+      values_[values_.size() - kCoarseModes + std::size_t(row.columns[i] - first)] = row.values[i];
     }
     return {1, int(columns_.size()), columns_.data(), values_.data(), row.weights};
   }
@@ -121,18 +120,18 @@ class PaddedRow {
 HAPTOS_INLINE void addProduct(const AlikeRows& C, const double* a, const double* b, Block& block) {
   Block sum{};
   for (int r = 0; r < C.rows; ++r, a += C.length, b += C.length)
-    for (std::size_t i = 0; i < kModes; ++i) {
+    for (std::size_t i = 0; i < kCoarseModes; ++i) {
       const double wa = C.weights[r] * a[i];
-      for (std::size_t j = 0; j < kModes; ++j) sum[i * kModes + j] += wa * b[j];
+      for (std::size_t j = 0; j < kCoarseModes; ++j) sum[i * kCoarseModes + j] += wa * b[j];
     }
   for (std::size_t i = 0; i < sum.size(); ++i) block[i] += sum[i];
 }
 
 // All blocks (s, t), s >= t, of C^T diag(q) C that these rows meet; columns ascend, so the lower triangle is j <= i.
 HAPTOS_CLONES void addProducts(const AlikeRows& C, RecentBlocks& blocks) {
-  for (int i = 0; i < C.length; i += kModes)
-    for (int j = 0; j <= i; j += kModes)
-      addProduct(C, C.values + i, C.values + j, blocks.at(C.columns[i] / kModes, C.columns[j] / kModes));
+  for (int i = 0; i < C.length; i += kCoarseModes)
+    for (int j = 0; j <= i; j += kCoarseModes)
+      addProduct(C, C.values + i, C.values + j, blocks.at(C.columns[i] / kCoarseModes, C.columns[j] / kCoarseModes));
 }
 
 }  // namespace
@@ -169,10 +168,10 @@ CoarseBlocks::CoarseBlocks(const std::vector<Eigen::SparseVector<double>>& vecto
   for (const auto& w : vectors)
     for (Eigen::SparseVector<double>::InnerIterator i(w); i; ++i)
       for (Eigen::SparseVector<double>::InnerIterator j(w); j; ++j) {
-        const int s = int(i.index()) / kModes, t = int(j.index()) / kModes;
+        const int s = int(i.index()) / kCoarseModes, t = int(j.index()) / kCoarseModes;
         if (s < t) continue;
         Block& block = blocks_.try_emplace(blockKey(s, t), Block{}).first->second;
-        block[std::size_t((i.index() % kModes) * kModes + j.index() % kModes)] += i.value() * j.value();
+        block[std::size_t((i.index() % kCoarseModes) * kCoarseModes + j.index() % kCoarseModes)] += i.value() * j.value();
       }
 }
 
@@ -206,11 +205,11 @@ void CoarseBlocks::add(int s, int t, const Block& block) {
 Eigen::VectorXd CoarseBlocks::multiply(const Eigen::VectorXd& a) const {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(a.size());
   for (const auto& [key, block] : blocks_) {
-    const Eigen::Map<const Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>> A(block.data());
-    const int s = kModes * row(key), t = kModes * column(key);
-    y.segment<kModes>(s) += A * a.segment<kModes>(t);
+    const Eigen::Map<const Eigen::Matrix<double, kCoarseModes, kCoarseModes, Eigen::RowMajor>> A(block.data());
+    const int s = kCoarseModes * row(key), t = kCoarseModes * column(key);
+    y.segment<kCoarseModes>(s) += A * a.segment<kCoarseModes>(t);
     // what lies above the diagonal is not kept
-    if (s != t) y.segment<kModes>(t) += A.transpose() * a.segment<kModes>(s);
+    if (s != t) y.segment<kCoarseModes>(t) += A.transpose() * a.segment<kCoarseModes>(s);
   }
   return y;
 }
@@ -220,13 +219,13 @@ double CoarseBlocks::largestDiagonal() const {
   double largest = 0;
   for (const auto& [key, block] : blocks_)
     if (row(key) == column(key))
-      for (int a = 0; a < kModes; ++a) largest = std::max(largest, block[std::size_t(a * kModes + a)]);
+      for (int a = 0; a < kCoarseModes; ++a) largest = std::max(largest, block[std::size_t(a * kCoarseModes + a)]);
   return largest;
 }
 
 // The pattern of all parts together: it stays, so that the analysis of the first factor serves all later values.
 CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eigen::Index size)
-    : rowsOfColumn_(std::size_t(size / kModes)), matrix_(size, size) {
+    : rowsOfColumn_(std::size_t(size / kCoarseModes)), matrix_(size, size) {
   for (const CoarseBlocks* pattern : patterns)
     for (const auto& [key, block] : pattern->blocks()) {
       const int s = CoarseBlocks::row(key), t = CoarseBlocks::column(key);
@@ -237,15 +236,15 @@ CoarseMatrix::CoarseMatrix(const std::vector<const CoarseBlocks*>& patterns, Eig
   for (auto& rows : rowsOfColumn_) {
     std::sort(rows.begin(), rows.end());
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    entries += rows.size() * kModes * kModes;
+    entries += rows.size() * kCoarseModes * kCoarseModes;
   }
   matrix_.resizeNonZeros(Eigen::Index(entries));
   std::fill_n(matrix_.valuePtr(), entries, 0.0);
   int at = 0;
   for (int column = 0; column < int(size); ++column) {
     matrix_.outerIndexPtr()[column] = at;
-    for (int s : rowsOfColumn_[std::size_t(column / kModes)])
-      for (int a = 0; a < kModes; ++a) matrix_.innerIndexPtr()[at++] = kModes * s + a;
+    for (int s : rowsOfColumn_[std::size_t(column / kCoarseModes)])
+      for (int a = 0; a < kCoarseModes; ++a) matrix_.innerIndexPtr()[at++] = kCoarseModes * s + a;
   }
   matrix_.outerIndexPtr()[size] = at;
 }
@@ -255,9 +254,9 @@ void CoarseMatrix::addBlock(int s, int t, const Block& block) {
   const auto& rows = rowsOfColumn_[std::size_t(t)];
   const auto found = std::lower_bound(rows.begin(), rows.end(), s);
   TEUCHOS_ASSERT(found != rows.end() && *found == s);
-  for (int b = 0; b < kModes; ++b) {
-    double* to = matrix_.valuePtr() + matrix_.outerIndexPtr()[kModes * t + b] + kModes * (found - rows.begin());
-    for (int a = 0; a < kModes; ++a) to[a] += block[std::size_t(a * kModes + b)];
+  for (int b = 0; b < kCoarseModes; ++b) {
+    double* to = matrix_.valuePtr() + matrix_.outerIndexPtr()[kCoarseModes * t + b] + kCoarseModes * (found - rows.begin());
+    for (int a = 0; a < kCoarseModes; ++a) to[a] += block[std::size_t(a * kCoarseModes + b)];
   }
 }
 

@@ -15,8 +15,7 @@ namespace Haptos {
 /// those of a subdomain, where all subdomains have six.
 class CoarseBlocks {
  public:
-  static constexpr int kModes = 6;
-  using Block = std::array<double, kModes * kModes>;  ///< by rows
+  using Block = std::array<double, kCoarseModes * kCoarseModes>;  ///< by rows
   using Map = std::unordered_map<std::uint64_t, Block>;
 
   CoarseBlocks() = default;

@@ -14,8 +14,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = CoarseBlocks::kModes;
-using BlockView = Eigen::Map<const Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>>;
+using BlockView = Eigen::Map<const Eigen::Matrix<double, kCoarseModes, kCoarseModes, Eigen::RowMajor>>;
 
 // On one rank without MPI: many groups at the bottom of the tree are single ranks.
 Eigen::MatrixXd sumOver(const Communicator& comm, const Eigen::MatrixXd& mine) {
@@ -23,8 +22,9 @@ Eigen::MatrixXd sumOver(const Communicator& comm, const Eigen::MatrixXd& mine) {
 }
 
 Eigen::MatrixXd gathered(const Eigen::MatrixXd& x, const std::vector<int>& subdomains) {
-  Eigen::MatrixXd part(kModes * Eigen::Index(subdomains.size()), x.cols());
-  for (std::size_t i = 0; i < subdomains.size(); ++i) part.middleRows<kModes>(kModes * Eigen::Index(i)) = x.middleRows<kModes>(kModes * subdomains[i]);
+  Eigen::MatrixXd part(kCoarseModes * Eigen::Index(subdomains.size()), x.cols());
+  for (std::size_t i = 0; i < subdomains.size(); ++i)
+    part.middleRows<kCoarseModes>(kCoarseModes * Eigen::Index(i)) = x.middleRows<kCoarseModes>(kCoarseModes * subdomains[i]);
   return part;
 }
 
@@ -51,7 +51,7 @@ void CoarseFront::makePanels() {
   starts_.push_back(size());
   for (std::size_t k = 0; k + 1 < starts_.size(); ++k) {
     const int first = starts_[k], count = starts_[k + 1] - first;
-    if (ownerOf(first) == group_->getRank()) panels_.push_back({first, count, Eigen::MatrixXd::Zero(kModes * (size() - first), kModes * count), {}});
+    if (ownerOf(first) == group_->getRank()) panels_.push_back({first, count, Eigen::MatrixXd::Zero(kCoarseModes * (size() - first), kCoarseModes * count), {}});
   }
 }
 
@@ -71,7 +71,7 @@ void CoarseFront::add(const std::vector<CoarseItem>& mine) {
   for (const auto& item : sendItems(*group_, mine, [&](const CoarseItem& item) { return ownerOf(column(item)); })) {
     const int s = place_.at(item.s), t = place_.at(item.t);
     Panel& panel = panelOf(std::min(s, t));
-    auto to = panel.columns.block<kModes, kModes>(kModes * (std::max(s, t) - panel.first), kModes * (std::min(s, t) - panel.first));
+    auto to = panel.columns.block<kCoarseModes, kCoarseModes>(kCoarseModes * (std::max(s, t) - panel.first), kCoarseModes * (std::min(s, t) - panel.first));
     if (s >= t) to += BlockView(item.block.data());
     else to += BlockView(item.block.data()).transpose();
   }
@@ -83,7 +83,7 @@ bool CoarseFront::eliminate() {
   std::size_t next = 0;  // own panel
   for (std::size_t k = 0; k + 1 < starts_.size() && starts_[k] < int(pivots_.size()); ++k) {
     const int first = starts_[k], end = starts_[k + 1], owner = ownerOf(first);
-    Eigen::MatrixXd message(kModes * size(), kModes * (end - first));
+    Eigen::MatrixXd message(kCoarseModes * size(), kCoarseModes * (end - first));
     // A failed factor is told by the message that all ranks wait for anyway.
     if (owner == group_->getRank() && !factorPanel(panels_[next++], message)) message(0, 0) = std::numeric_limits<double>::quiet_NaN();
     if (group_->getSize() > 1) Teuchos::broadcast(*group_, owner, int(message.size()), message.data());
@@ -94,7 +94,7 @@ bool CoarseFront::eliminate() {
 }
 
 bool CoarseFront::factorPanel(Panel& panel, Eigen::MatrixXd& message) {
-  const Eigen::Index w = kModes * panel.count, before = kModes * panel.first, below = panel.columns.rows() - w;
+  const Eigen::Index w = kCoarseModes * panel.count, before = kCoarseModes * panel.first, below = panel.columns.rows() - w;
   Eigen::MatrixXd diagonal = panel.columns.topRows(w);
   if (!Lapack::choleskyInPlace(diagonal)) return false;
   const auto L = diagonal.triangularView<Eigen::Lower>();
@@ -105,21 +105,21 @@ bool CoarseFront::factorPanel(Panel& panel, Eigen::MatrixXd& message) {
   if (below > 0) diagonal.transpose().triangularView<Eigen::Upper>().solveInPlace<Eigen::OnTheRight>(lower);
   message.topRows(before + w) = panel.W.transpose();
   message.bottomRows(below) = lower;
-  panel.columns = lower.bottomRows(kModes * Eigen::Index(rest_.size()));
+  panel.columns = lower.bottomRows(kCoarseModes * Eigen::Index(rest_.size()));
   flops_ += double(w * w) * (double(w) / 6 + double(panel.W.cols()) / 2 + double(below) / 2);
   return true;
 }
 
 // A_ij -= L_ik L_jk^T, W_j -= L_jk W_k, for this panel j; rows of a message are places in the front.
 void CoarseFront::update(Panel& panel, const Eigen::MatrixXd& message, int first, int end) {
-  const Eigen::Index w = kModes * panel.count, rows = panel.columns.rows(), done = kModes * end;
-  const auto Lj = message.middleRows(kModes * panel.first, w);
+  const Eigen::Index w = kCoarseModes * panel.count, rows = panel.columns.rows(), done = kCoarseModes * end;
+  const auto Lj = message.middleRows(kCoarseModes * panel.first, w);
   subtractProduct(message.bottomRows(rows), Lj, panel.columns);
   flops_ += double(rows) * double(w) * double(message.cols());
   if (!isPivot(panel)) return;
-  if (panel.W.size() == 0) panel.W = Eigen::MatrixXd::Zero(w, kModes * panel.first + w);
+  if (panel.W.size() == 0) panel.W = Eigen::MatrixXd::Zero(w, kCoarseModes * panel.first + w);
   subtractProduct(Lj, message.topRows(done), panel.W.leftCols(done));
-  flops_ += double(done) * double(w) * double(kModes * (end - first));
+  flops_ += double(done) * double(w) * double(kCoarseModes * (end - first));
 }
 
 std::vector<CoarseItem> CoarseFront::schur() const {
@@ -129,9 +129,10 @@ std::vector<CoarseItem> CoarseFront::schur() const {
     for (int t = 0; t < panel.count; ++t)
       for (int s = t; panel.first + s < size(); ++s) {
         CoarseItem item{subdomain(panel.first + s), subdomain(panel.first + t), {}};
-        for (int a = 0; a < kModes; ++a)
-          for (int b = 0; b < kModes; ++b)  // of a block on the diagonal the lower triangle is what there is
-            item.block[std::size_t(a * kModes + b)] = panel.columns(kModes * s + (s == t ? std::max(a, b) : a), kModes * t + (s == t ? std::min(a, b) : b));
+        for (int a = 0; a < kCoarseModes; ++a)
+          for (int b = 0; b < kCoarseModes; ++b)  // of a block on the diagonal the lower triangle is what there is
+            item.block[std::size_t(a * kCoarseModes + b)] =
+                panel.columns(kCoarseModes * s + (s == t ? std::max(a, b) : a), kCoarseModes * t + (s == t ? std::min(a, b) : b));
         items.push_back(item);
       }
   }
@@ -144,7 +145,7 @@ Eigen::MatrixXd CoarseFront::sumPivots(const Eigen::MatrixXd& b) const { return 
 Eigen::MatrixXd CoarseFront::applyW(const Eigen::MatrixXd& bp) const {
   Eigen::MatrixXd y = Eigen::MatrixXd::Zero(bp.rows(), bp.cols());
   for (const Panel& panel : panels_)
-    if (isPivot(panel)) y.middleRows(kModes * panel.first, kModes * panel.count).noalias() = panel.W * bp.topRows(panel.W.cols());
+    if (isPivot(panel)) y.middleRows(kCoarseModes * panel.first, kCoarseModes * panel.count).noalias() = panel.W * bp.topRows(panel.W.cols());
   return y;
 }
 
@@ -152,7 +153,7 @@ Eigen::MatrixXd CoarseFront::applyW(const Eigen::MatrixXd& bp) const {
 Eigen::MatrixXd CoarseFront::applyWTransposed(const Eigen::MatrixXd& z) const {
   Eigen::MatrixXd mine = Eigen::MatrixXd::Zero(z.rows(), z.cols());
   for (const Panel& panel : panels_)
-    if (isPivot(panel)) mine.topRows(panel.W.cols()).noalias() += panel.W.transpose() * z.middleRows(kModes * panel.first, kModes * panel.count);
+    if (isPivot(panel)) mine.topRows(panel.W.cols()).noalias() += panel.W.transpose() * z.middleRows(kCoarseModes * panel.first, kCoarseModes * panel.count);
   return sumOver(*group_, mine);
 }
 
@@ -160,10 +161,10 @@ Eigen::MatrixXd CoarseFront::solve(const Eigen::MatrixXd& bp) const { return app
 
 Eigen::MatrixXd CoarseFront::forward(const Eigen::MatrixXd& bp, Eigen::MatrixXd& b) const {
   const Eigen::MatrixXd y = applyW(bp);
-  Eigen::MatrixXd taken = Eigen::MatrixXd::Zero(kModes * Eigen::Index(rest_.size()), bp.cols());
+  Eigen::MatrixXd taken = Eigen::MatrixXd::Zero(kCoarseModes * Eigen::Index(rest_.size()), bp.cols());
   for (const Panel& panel : panels_)
-    if (isPivot(panel)) taken.noalias() += panel.columns * y.middleRows(kModes * panel.first, kModes * panel.count);
-  for (std::size_t i = 0; i < rest_.size(); ++i) b.middleRows<kModes>(kModes * rest_[i]) -= taken.middleRows<kModes>(kModes * Eigen::Index(i));
+    if (isPivot(panel)) taken.noalias() += panel.columns * y.middleRows(kCoarseModes * panel.first, kCoarseModes * panel.count);
+  for (std::size_t i = 0; i < rest_.size(); ++i) b.middleRows<kCoarseModes>(kCoarseModes * rest_[i]) -= taken.middleRows<kCoarseModes>(kCoarseModes * Eigen::Index(i));
   return y;
 }
 
@@ -171,9 +172,9 @@ void CoarseFront::backward(const Eigen::MatrixXd& y, Eigen::MatrixXd& x) const {
   const Eigen::MatrixXd xu = gathered(x, rest_);
   Eigen::MatrixXd z = y;
   for (const Panel& panel : panels_)
-    if (isPivot(panel)) z.middleRows(kModes * panel.first, kModes * panel.count).noalias() -= panel.columns.transpose() * xu;
+    if (isPivot(panel)) z.middleRows(kCoarseModes * panel.first, kCoarseModes * panel.count).noalias() -= panel.columns.transpose() * xu;
   const Eigen::MatrixXd xp = applyWTransposed(z);
-  for (std::size_t i = 0; i < pivots_.size(); ++i) x.middleRows<kModes>(kModes * pivots_[i]) = xp.middleRows<kModes>(kModes * Eigen::Index(i));
+  for (std::size_t i = 0; i < pivots_.size(); ++i) x.middleRows<kCoarseModes>(kCoarseModes * pivots_[i]) = xp.middleRows<kCoarseModes>(kCoarseModes * Eigen::Index(i));
 }
 
 // Of W and L_rp: what a solve reads.

@@ -15,8 +15,6 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = CoarseBlocks::kModes;
-
 // Adds what a scope lasts and sends to the costs.
 class Measured {
  public:
@@ -48,7 +46,7 @@ double largestDiagonalOfSum(const CoarseBlocks& a, const CoarseBlocks& b) {
   for (const auto& [key, block] : b.blocks()) {
     if (CoarseBlocks::row(key) != CoarseBlocks::column(key)) continue;
     const auto other = a.blocks().find(key);
-    for (std::size_t i = 0; i < block.size(); i += kModes + 1)
+    for (std::size_t i = 0; i < block.size(); i += kCoarseModes + 1)
       largest = std::max(largest, block[i] + (other == a.blocks().end() ? 0.0 : other->second[i]));
   }
   return largest;
@@ -81,7 +79,7 @@ CoarseProblem::CoarseProblem(Placement placement, const Weighted& fixed, const W
   changing_ = subdomainsOf(first);
   if (placement_->isShared()) changing_ = gatheredOnAll(placement_->comm(), changing_);  // owners' ranges ascend
   Eigen::MatrixXd condenses(1, 1);
-  condenses(0, 0) = CoarseSchur::pays(paddedSize(), kModes * Eigen::Index(changing_.size()));
+  condenses(0, 0) = CoarseSchur::pays(paddedSize(), kCoarseModes * Eigen::Index(changing_.size()));
   placement_->broadcast(condenses);
   condenses_ = condenses(0, 0) != 0;
   if (!condenses_ && !placement_->isShared()) matrix_ = CoarseMatrix({fixed_.get(), &first, &held_}, paddedSize());
@@ -118,11 +116,11 @@ void CoarseProblem::countBlocks(const CoarseBlocks& first) const {
 }
 
 CoarseBlocks CoarseProblem::sumUp(const Weighted& part) const {
-  return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kModes);
+  return CoarseBlocks(part.rows, part.q).onHolders(*placement_, paddedSize() / kCoarseModes);
 }
 
 // At least six: without equalities there is a matrix all the same.
-Eigen::Index CoarseProblem::paddedSize() const { return (std::max<Eigen::Index>(size_, 1) + kModes - 1) / kModes * kModes; }
+Eigen::Index CoarseProblem::paddedSize() const { return (std::max<Eigen::Index>(size_, 1) + kCoarseModes - 1) / kCoarseModes * kCoarseModes; }
 
 // With zeros for the unknowns that fill the last six, which the matrix keeps apart.
 Eigen::MatrixXd CoarseProblem::padded(Eigen::MatrixXd b) const {
@@ -208,7 +206,7 @@ void CoarseProblem::factorShared() {
     CoarseCosts& costs = placement_->costs();
     costs.flops += shared_->tree()->flops();
     costs.between = std::max(costs.between, shared_->tree()->between());
-    costs.last = std::max(costs.last, kModes * long(shared_->tree()->last().pivots().size()));
+    costs.last = std::max(costs.last, kCoarseModes * long(shared_->tree()->last().pivots().size()));
   }
   shared_->renew(condenses_ ? changingBlocks_ : CoarseBlocks());
   placement_->costs().flops += shared_->flops();
@@ -311,7 +309,7 @@ double CoarseProblem::Series::entriesOfNext(bool isFirst) const {
 
 // Unknown of every row of `rhs` in solveForRest.
 int CoarseProblem::Series::unknown(Eigen::Index row) const {
-  if (shared_) return CoarseBlocks::kModes * problem_.changing_[std::size_t(row / CoarseBlocks::kModes)] + int(row % CoarseBlocks::kModes);
+  if (shared_) return kCoarseModes * problem_.changing_[std::size_t(row / kCoarseModes)] + int(row % kCoarseModes);
   if (!problem_.condensed_) return int(row);
   const auto& order = problem_.condensed_->schur()->order();
   return order[order.size() - std::size_t(problem_.condensed_->schurSize()) + std::size_t(row)];

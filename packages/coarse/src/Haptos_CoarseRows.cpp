@@ -6,8 +6,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = 6;
-using Six = Eigen::Matrix<double, kModes, 1>;
+using Six = Eigen::Matrix<double, kCoarseModes, 1>;
 
 // run(first column, six values) or one(column, value) for all entries of a row
 template <class Run, class One>
@@ -16,9 +15,9 @@ inline void forEachRun(const CoarseRows& C, Eigen::Index row, Run&& run, One&& o
   const double* value = C.valuePtr();
   const int end = C.outerIndexPtr()[row + 1];
   for (int i = C.outerIndexPtr()[row]; i < end;) {
-    if (i + kModes <= end && column[i + kModes - 1] == column[i] + kModes - 1) {
+    if (i + kCoarseModes <= end && column[i + kCoarseModes - 1] == column[i] + kCoarseModes - 1) {
       run(column[i], Eigen::Map<const Six>(value + i));
-      i += kModes;
+      i += kCoarseModes;
     } else {
       one(column[i], value[i]);
       ++i;
@@ -35,7 +34,7 @@ Eigen::VectorXd multiplyTransposed(const CoarseRows& C, const Eigen::Ref<const E
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     const double xi = x[row];
     if (xi == 0) continue;
-    forEachRun(C, row, [&](int first, const auto& values) { y.segment<kModes>(first) += xi * values; },
+    forEachRun(C, row, [&](int first, const auto& values) { y.segment<kCoarseModes>(first) += xi * values; },
                [&](int column, double value) { y[column] += xi * value; });
   }
   return y;
@@ -47,7 +46,7 @@ Eigen::VectorXd multiply(const CoarseRows& C, const Eigen::Ref<const Eigen::Vect
   Eigen::VectorXd y(C.rows());
   for (Eigen::Index row = 0; row < C.rows(); ++row) {
     double sum = 0;
-    forEachRun(C, row, [&](int first, const auto& values) { sum += values.dot(a.segment<kModes>(first)); },
+    forEachRun(C, row, [&](int first, const auto& values) { sum += values.dot(a.segment<kCoarseModes>(first)); },
                [&](int column, double value) { sum += value * a[column]; });
     y[row] = sum;
   }

@@ -5,6 +5,9 @@
 
 namespace Haptos {
 
+/// \brief Coarse unknowns of a subdomain, where all subdomains have as many: its rigid motions.
+constexpr int kCoarseModes = 6;
+
 /// Rows: owned dual rows of this rank; columns: all coarse unknowns, 6 x subdomain + mode (global).
 using CoarseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 

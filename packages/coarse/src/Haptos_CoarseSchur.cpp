@@ -18,14 +18,12 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = CoarseBlocks::kModes;
-
 // Unknowns of a list of subdomains, in its order: all six stay together in any order of elimination.
 std::vector<int> expanded(const std::vector<int>& subdomains) {
   std::vector<int> unknowns;
-  unknowns.reserve(subdomains.size() * kModes);
+  unknowns.reserve(subdomains.size() * kCoarseModes);
   for (int s : subdomains)
-    for (int a = 0; a < kModes; ++a) unknowns.push_back(kModes * s + a);
+    for (int a = 0; a < kCoarseModes; ++a) unknowns.push_back(kCoarseModes * s + a);
   return unknowns;
 }
 
@@ -156,9 +154,9 @@ void OrderedMatrix::makePattern(const CoarseSchur::Parts& A) {
     rows.push_back(int(t));
     std::sort(rows.begin(), rows.end());
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
-    for (int b = 0; b < kModes; ++b) {
+    for (int b = 0; b < kCoarseModes; ++b) {
       for (int s : rows)
-        for (int a = s == int(t) ? b : 0; a < kModes; ++a) columns_.rows.push_back(kModes * s + a);
+        for (int a = s == int(t) ? b : 0; a < kCoarseModes; ++a) columns_.rows.push_back(kCoarseModes * s + a);
       columns_.starts.push_back(int(columns_.rows.size()));
     }
   }
@@ -170,9 +168,9 @@ void OrderedMatrix::add(std::uint64_t key, const CoarseBlocks::Block& block) {
   const int s = position_[std::size_t(CoarseBlocks::row(key))], t = position_[std::size_t(CoarseBlocks::column(key))];
   const auto& rows = rowsOfColumn_[std::size_t(std::min(s, t))];
   const auto at = std::lower_bound(rows.begin(), rows.end(), std::max(s, t)) - rows.begin();
-  for (int b = 0; b < kModes; ++b) {
-    double* to = columns_.values.data() + columns_.starts[std::size_t(kModes * std::min(s, t) + b)] + kModes * at - b;
-    for (int a = at == 0 ? b : 0; a < kModes; ++a) to[a] += block[std::size_t(s >= t ? a * kModes + b : b * kModes + a)];
+  for (int b = 0; b < kCoarseModes; ++b) {
+    double* to = columns_.values.data() + columns_.starts[std::size_t(kCoarseModes * std::min(s, t) + b)] + kCoarseModes * at - b;
+    for (int a = at == 0 ? b : 0; a < kCoarseModes; ++a) to[a] += block[std::size_t(s >= t ? a * kCoarseModes + b : b * kCoarseModes + a)];
   }
 }
 
@@ -241,7 +239,7 @@ bool CoarseSchur::pays(Eigen::Index unknowns, Eigen::Index last) {
 // cut off there.
 void CoarseSchur::eliminateOthers(const Parts& A, const std::vector<int>& last) {
   CholmodCommon common;
-  const std::vector<int> order = orderSubdomains(A, int(size_) / kModes, last, common);
+  const std::vector<int> order = orderSubdomains(A, int(size_) / kCoarseModes, last, common);
   Eigen::MatrixXd schur = startSchur(A, order);
   OrderedMatrix ordered(A, order);
   ordered.makeIndefinite(int(numOthers_));
@@ -268,7 +266,7 @@ void CoarseSchur::eliminateOthers(const Parts&, const std::vector<int>&) {
 #endif
 
 CoarseSchur::CoarseSchur(Eigen::Index unknowns, const Parts& A, const std::vector<int>& last)
-    : size_(unknowns), numOthers_(size_ - kModes * Eigen::Index(last.size())), place_(std::size_t(size_ / kModes), -1) {
+    : size_(unknowns), numOthers_(size_ - kCoarseModes * Eigen::Index(last.size())), place_(std::size_t(size_ / kCoarseModes), -1) {
   TEUCHOS_ASSERT(!last.empty() && numOthers_ >= 0);
   if (numOthers_ > 0) eliminateOthers(A, last);
   else schur_ = Lapack::packLower(startSchur(A, last));
@@ -277,7 +275,7 @@ CoarseSchur::CoarseSchur(Eigen::Index unknowns, const Parts& A, const std::vecto
 // A_cc, c: the last unknowns
 Eigen::MatrixXd CoarseSchur::startSchur(const Parts& A, const std::vector<int>& order) {
   perm_ = expanded(order);
-  for (Eigen::Index i = numOthers_; i < size_; i += kModes) place_[std::size_t(perm_[std::size_t(i)] / kModes)] = int(i - numOthers_);
+  for (Eigen::Index i = numOthers_; i < size_; i += kCoarseModes) place_[std::size_t(perm_[std::size_t(i)] / kCoarseModes)] = int(i - numOthers_);
   Eigen::MatrixXd schur = Eigen::MatrixXd::Zero(numLast(), numLast());
   for (const CoarseBlocks* part : A) addLast(*part, schur);
   return schur;
@@ -302,10 +300,10 @@ void CoarseSchur::addLast(const CoarseBlocks& blocks, Eigen::MatrixXd& lower) co
   for (const auto& [key, block] : blocks.blocks()) {
     const int row = place_[std::size_t(CoarseBlocks::row(key))], column = place_[std::size_t(CoarseBlocks::column(key))];
     if (row < 0 || column < 0) continue;
-    for (int a = 0; a < kModes; ++a)
-      for (int b = 0; b < kModes; ++b) {
+    for (int a = 0; a < kCoarseModes; ++a)
+      for (int b = 0; b < kCoarseModes; ++b) {
         double& entry = row >= column ? lower(row + a, column + b) : lower(column + b, row + a);
-        entry += block[std::size_t(a * kModes + b)];
+        entry += block[std::size_t(a * kCoarseModes + b)];
       }
   }
 }

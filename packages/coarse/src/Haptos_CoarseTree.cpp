@@ -15,8 +15,6 @@
 namespace Haptos {
 namespace {
 
-constexpr int kModes = CoarseBlocks::kModes;
-
 template <class T>
 void keepEachOnce(std::vector<T>& list) {
   std::sort(list.begin(), list.end());
@@ -40,8 +38,8 @@ std::vector<CoarseItem> takeSchur(CoarseSchur& own, const std::vector<int>& subd
   Lapack::unpackLower(own.takeSchur(), S);
   S.triangularView<Eigen::StrictlyUpper>() = S.transpose();
   std::vector<int> names;  // of the blocks of S
-  for (std::size_t i = own.order().size() - std::size_t(own.numLast()); i < own.order().size(); i += kModes) {
-    const std::size_t place = std::size_t(own.order()[i] / kModes);
+  for (std::size_t i = own.order().size() - std::size_t(own.numLast()); i < own.order().size(); i += kCoarseModes) {
+    const std::size_t place = std::size_t(own.order()[i] / kCoarseModes);
     names.push_back(place < subdomains.size() ? subdomains[place] : -1);
   }
   std::vector<CoarseItem> items;
@@ -49,8 +47,8 @@ std::vector<CoarseItem> takeSchur(CoarseSchur& own, const std::vector<int>& subd
     for (std::size_t t = 0; t <= s; ++t) {
       if (names[s] < 0 || names[t] < 0) continue;
       CoarseItem item{names[s], names[t], {}};
-      Eigen::Map<Eigen::Matrix<double, kModes, kModes, Eigen::RowMajor>>(item.block.data()) =
-          S.block<kModes, kModes>(kModes * Eigen::Index(s), kModes * Eigen::Index(t));
+      Eigen::Map<Eigen::Matrix<double, kCoarseModes, kCoarseModes, Eigen::RowMajor>>(item.block.data()) =
+          S.block<kCoarseModes, kCoarseModes>(kCoarseModes * Eigen::Index(s), kCoarseModes * Eigen::Index(t));
       items.push_back(item);
     }
   return items;
@@ -121,7 +119,7 @@ void EliminationOrder::cover(std::vector<Pair> pairs, int depth) {
 
 CoarseTree::CoarseTree(const CoarsePlacement& placement, Eigen::Index unknowns, const CoarseSchur::Parts& A, std::vector<int> last)
     : comm_(placement.comm()), size_(unknowns), last_(Teuchos::rcpFromRef(comm_), std::move(last), {}) {
-  const EliminationOrder order(placement, int(size_) / kModes, A, last_.pivots());
+  const EliminationOrder order(placement, int(size_) / kCoarseModes, A, last_.pivots());
   eliminateShared(placement, order, eliminateOwn(comm_, order, A));
 }
 
@@ -129,7 +127,7 @@ CoarseTree::CoarseTree(const CoarsePlacement& placement, Eigen::Index unknowns, 
 std::vector<CoarseItem> CoarseTree::eliminateOwn(const Communicator& comm, const EliminationOrder& order, const CoarseSchur::Parts& A) {
   // A_ii, A_io and A_oo of the rank that eliminates i; blocks between outer subdomains go to one of their homes.
   const auto blocks = sendItems(comm, itemsOf(A), [&](const CoarseItem& item) { return order.rankOfBlock(item.s, item.t); });
-  for (int s = 0; s < int(size_) / kModes; ++s) {
+  for (int s = 0; s < int(size_) / kCoarseModes; ++s) {
     if (order.homeOf(s) != comm.getRank()) continue;
     home_.push_back(s);
     if (order.staysHome(s)) inner_.push_back(s);
@@ -145,12 +143,12 @@ std::vector<CoarseItem> CoarseTree::eliminateOwn(const Communicator& comm, const
   CoarseBlocks own;
   for (const auto& item : blocks) own.add(place.at(item.s), place.at(item.t), item.block);
   CoarseBlocks::Block one{};
-  for (std::size_t i = 0; i < one.size(); i += kModes + 1) one[i] = 1;
+  for (std::size_t i = 0; i < one.size(); i += kCoarseModes + 1) one[i] = 1;
   const int extra = int(subdomains.size());  // CoarseSchur wants at least one that stays
   own.add(extra, extra, one);
   std::vector<int> last(outer_.size() + 1);
   std::iota(last.begin(), last.end(), int(inner_.size()));
-  runOnAllRanks(comm, [&] { own_ = std::make_unique<CoarseSchur>(kModes * (extra + 1), CoarseSchur::Parts{&own}, last); });
+  runOnAllRanks(comm, [&] { own_ = std::make_unique<CoarseSchur>(kCoarseModes * (extra + 1), CoarseSchur::Parts{&own}, last); });
   return takeSchur(*own_, subdomains);
 }
 
@@ -180,14 +178,14 @@ void CoarseTree::eliminateShared(const CoarsePlacement& placement, const Elimina
 CoarseTree::Eliminated CoarseTree::eliminate(const Eigen::MatrixXd& b) const {
   Eliminated result;
   Eigen::MatrixXd mine = Eigen::MatrixXd::Zero(b.rows(), b.cols());
-  for (int s : home_) mine.middleRows<kModes>(kModes * s) = b.middleRows<kModes>(kModes * s);
+  for (int s : home_) mine.middleRows<kCoarseModes>(kCoarseModes * s) = b.middleRows<kCoarseModes>(kCoarseModes * s);
   Eigen::MatrixXd own = Eigen::MatrixXd::Zero(Eigen::Index(own_->order().size()), b.cols());
-  for (std::size_t i = 0; i < inner_.size(); ++i) own.middleRows<kModes>(kModes * Eigen::Index(i)) = b.middleRows<kModes>(kModes * inner_[i]);
+  for (std::size_t i = 0; i < inner_.size(); ++i) own.middleRows<kCoarseModes>(kCoarseModes * Eigen::Index(i)) = b.middleRows<kCoarseModes>(kCoarseModes * inner_[i]);
   // y_i = L_ii^-1 b_i, and b_o - L_oi y_i is what this rank says of outer unknowns.
   result.own = own_->eliminate(own);
   for (Eigen::Index i = own.rows() - own_->numLast(); i < own.rows(); ++i) {
-    const int unknown = own_->order()[std::size_t(i)], place = unknown / kModes - int(inner_.size());
-    if (place < int(outer_.size())) mine.row(kModes * outer_[std::size_t(place)] + unknown % kModes) += result.own.row(i);
+    const int unknown = own_->order()[std::size_t(i)], place = unknown / kCoarseModes - int(inner_.size());
+    if (place < int(outer_.size())) mine.row(kCoarseModes * outer_[std::size_t(place)] + unknown % kCoarseModes) += result.own.row(i);
   }
   result.fronts.resize(fronts_.size());
   for (std::size_t d = fronts_.size(); d-- > 0;) result.fronts[d] = fronts_[d].forward(fronts_[d].sumPivots(mine), mine);
@@ -198,20 +196,21 @@ CoarseTree::Eliminated CoarseTree::eliminate(const Eigen::MatrixXd& b) const {
 Eigen::MatrixXd CoarseTree::substituteBack(const Eliminated& b, const Eigen::MatrixXd& last) const {
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(size_, last.cols());
   const auto put = [&](const std::vector<int>& subdomains, const Eigen::MatrixXd& from, Eigen::MatrixXd& to) {
-    for (std::size_t i = 0; i < subdomains.size(); ++i) to.middleRows<kModes>(kModes * subdomains[i]) = from.middleRows<kModes>(kModes * Eigen::Index(i));
+    for (std::size_t i = 0; i < subdomains.size(); ++i)
+      to.middleRows<kCoarseModes>(kCoarseModes * subdomains[i]) = from.middleRows<kCoarseModes>(kCoarseModes * Eigen::Index(i));
   };
   put(last_.pivots(), last, x);
   // x_p = L_pp^-T (y_p - L_rp^T x_r), largest group first, as its unknowns are in the r of all smaller ones.
   for (std::size_t d = 0; d < fronts_.size(); ++d) fronts_[d].backward(b.fronts[d], x);
   Eigen::MatrixXd own = b.own;
   for (Eigen::Index i = own.rows() - own_->numLast(); i < own.rows(); ++i) {
-    const int unknown = own_->order()[std::size_t(i)], place = unknown / kModes - int(inner_.size());
-    if (place < int(outer_.size())) own.row(i) = x.row(kModes * outer_[std::size_t(place)] + unknown % kModes);
+    const int unknown = own_->order()[std::size_t(i)], place = unknown / kCoarseModes - int(inner_.size());
+    if (place < int(outer_.size())) own.row(i) = x.row(kCoarseModes * outer_[std::size_t(place)] + unknown % kCoarseModes);
     else own.row(i).setZero();
   }
   put(inner_, own_->substituteBack(own), x);
   Eigen::MatrixXd mine = Eigen::MatrixXd::Zero(size_, last.cols());  // every subdomain from its home
-  for (int s : home_) mine.middleRows<kModes>(kModes * s) = x.middleRows<kModes>(kModes * s);
+  for (int s : home_) mine.middleRows<kCoarseModes>(kCoarseModes * s) = x.middleRows<kCoarseModes>(kCoarseModes * s);
   return sumOfAll(comm_, mine);
 }
 
@@ -223,7 +222,7 @@ std::size_t CoarseTree::entries() const {
 
 long CoarseTree::between() const {
   long sum = 0;
-  for (const auto& front : fronts_) sum += kModes * long(front.pivots().size());
+  for (const auto& front : fronts_) sum += kCoarseModes * long(front.pivots().size());
   return sum;
 }
 
@@ -239,7 +238,7 @@ void CoarseTreeFactor::renew(const CoarseBlocks& E) {
   last_.add(itemsOf({&E}));
   const bool isDefinite = last_.eliminate();  // the same on all ranks
   TEUCHOS_TEST_FOR_EXCEPTION(!isDefinite, std::runtime_error,
-                             "the coarse matrix is not positive definite in the " << kModes * last_.pivots().size() << " unknowns that change");
+                             "the coarse matrix is not positive definite in the " << kCoarseModes * last_.pivots().size() << " unknowns that change");
 }
 
 Eigen::MatrixXd CoarseTreeFactor::solve(const Eigen::MatrixXd& b) const {

@@ -20,7 +20,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kBlock = 32;             // columns of Z that are made at a time
+constexpr int kColumnsOfZ = 32;        // columns of Z that are made at a time
 constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
@@ -270,7 +270,7 @@ void DeflatedPreconditioner::makeHalves(MultiVector& t, SubdomainColumns& half, 
   rest.append(columnsOf(t));
 }
 
-// H Z and C H Z, `kBlock` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
+// H Z and C H Z, `kColumnsOfZ` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
 void DeflatedPreconditioner::assemble() {
   const auto& comm = *getRangeMap()->getComm();
   std::vector<std::array<int, 2>> columns;  // of this rank
@@ -278,8 +278,8 @@ void DeflatedPreconditioner::assemble() {
     for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   shareSlender(HZ_, CHZ_);
-  for (int first = 0; first < all; first += kBlock) {
-    const int width = std::min(kBlock, all - first);
+  for (int first = 0; first < all; first += kColumnsOfZ) {
+    const int width = std::min(kColumnsOfZ, all - first);
     MultiVector t(base_->jump().getDomainMap(), width);
     for (int j = 0; j < width; ++j) {
       const int own = first + j - before;
@@ -295,8 +295,8 @@ void DeflatedPreconditioner::assemble() {
 // Y = B_D S Z on the rows given
 Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) const {
   Eigen::MatrixXd Y(Eigen::Index(rows.size()), CHZ_.cols());
-  for (Eigen::Index first = 0; first < CHZ_.cols(); first += kBlock) {
-    const Eigen::Index width = std::min<Eigen::Index>(kBlock, CHZ_.cols() - first);
+  for (Eigen::Index first = 0; first < CHZ_.cols(); first += kColumnsOfZ) {
+    const Eigen::Index width = std::min<Eigen::Index>(kColumnsOfZ, CHZ_.cols() - first);
     MultiVector t(base_->jump().getDomainMap(), std::size_t(width)), y(getRangeMap(), std::size_t(width));
     CHZ_.copyTo(first, columnsOf(t));
     base_->collect(t, y);
@@ -361,8 +361,8 @@ Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) co
   const int mine = int(rows.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   SubdomainColumns X(boundaryUnknowns()), CX(boundaryUnknowns());
   shareSlender(X, CX);
-  for (int first = 0; first < all; first += kBlock) {
-    const int width = std::min(kBlock, all - first);
+  for (int first = 0; first < all; first += kColumnsOfZ) {
+    const int width = std::min(kColumnsOfZ, all - first);
     MultiVector x(getDomainMap(), std::size_t(width)), t(base_->jump().getDomainMap(), std::size_t(width));
     for (int j = 0; j < width; ++j) {
       const int own = first + j - before;

@@ -12,7 +12,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kBlock = 64;
+constexpr int kVectors = 64;
 
 }  // namespace
 
@@ -36,8 +36,8 @@ void DualPreconditioner::applyLocal(MultiVector& t) const {
     const auto& members = systems_->members()[std::size_t(c)];
     const auto& dofs = surface_->boundary(c);
     const Eigen::Index nb = Eigen::Index(dofs.size());
-    for (std::size_t first = 0; first < members.size(); first += kBlock) {
-      const int width = int(std::min<std::size_t>(kBlock, members.size() - first));
+    for (std::size_t first = 0; first < members.size(); first += kVectors) {
+      const int width = int(std::min<std::size_t>(kVectors, members.size() - first));
       Eigen::MatrixXd X(nb, width), Y(nb, width);
       for (int j = 0; j < width; ++j)
         for (Eigen::Index i = 0; i < nb; ++i) X(i, j) = data[offsets[members[first + j]] + dofs[i]];

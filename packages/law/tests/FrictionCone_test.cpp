@@ -16,7 +16,7 @@ const std::vector<Pair2>& coefficients() {
   return list;
 }
 
-Triple somePoint(int i) {
+Triple scaledPoint(int i) {
   const double size = std::pow(10.0, i % 5 - 2);
   return {pseudoRandom(3 * i), size * pseudoRandom(3 * i + 1), size * pseudoRandom(3 * i + 2)};
 }
@@ -39,7 +39,7 @@ TEUCHOS_UNIT_TEST(FrictionCone, MoreauDecomposition) {
   int apex = 0, inside = 0, surface = 0;
   for (const auto& F : coefficients())
     for (int i = 0; i < 400; ++i) {
-      const Triple x = somePoint(i), p = projectOntoFrictionCone(x, F).point;
+      const Triple x = scaledPoint(i), p = projectOntoFrictionCone(x, F).point;
       const Triple rest{x[0] - p[0], x[1] - p[1], x[2] - p[2]};
       const double tolerance = 1e-11 * norm(x);
       TEST_ASSERT(outsideCone(p, F) <= tolerance);
@@ -53,7 +53,7 @@ TEUCHOS_UNIT_TEST(FrictionCone, MoreauDecomposition) {
 TEUCHOS_UNIT_TEST(FrictionCone, PositivelyHomogeneous) {
   for (const auto& F : coefficients())
     for (int i = 0; i < 50; ++i) {
-      const Triple x = somePoint(i), p = projectOntoFrictionCone(x, F).point;
+      const Triple x = scaledPoint(i), p = projectOntoFrictionCone(x, F).point;
       for (double factor : {1e-8, 1e8}) {
         const Triple q = projectOntoFrictionCone({factor * x[0], factor * x[1], factor * x[2]}, F).point;
         for (int d = 0; d < 3; ++d) TEST_ASSERT(std::abs(q[d] / factor - p[d]) <= 1e-11 * norm(x));
@@ -65,7 +65,7 @@ TEUCHOS_UNIT_TEST(FrictionCone, DerivativeAgreesWithDifferences) {
   int compared = 0;
   for (const Pair2& F : {Pair2{0.3, 0.3}, {0.3, 0.15}, {5, 2}, {0.3, 0}, {0, 0}, {1, 1e-3}})
     for (int i = 0; i < 120; ++i) {
-      const Triple x = somePoint(i);
+      const Triple x = scaledPoint(i);
       const double h = 1e-5 * norm(x);
       const ConeProjection at = projectOntoFrictionCone(x, F);
       for (int j = 0; j < 3; ++j) {
@@ -86,7 +86,7 @@ TEUCHOS_UNIT_TEST(FrictionCone, DerivativeAgreesWithDifferences) {
 TEUCHOS_UNIT_TEST(FrictionCone, DerivativeIsSymmetricWithSpectrumInUnitInterval) {
   for (const auto& F : coefficients())
     for (int i = 0; i < 60; ++i) {
-      const auto D = projectOntoFrictionCone(somePoint(i), F).dPdx;
+      const auto D = projectOntoFrictionCone(scaledPoint(i), F).dPdx;
       double trace = 0;
       for (int r = 0; r < 3; ++r) {
         trace += D[r][r];

@@ -12,7 +12,7 @@ namespace Haptos {
 namespace {
 
 // Columns solved at once: wide enough for matrix-matrix products, narrow enough to bound the workspace.
-constexpr Eigen::Index blockWidth = 64;
+constexpr Eigen::Index columnsAtATime = 64;
 
 /// K_reg with all three unknowns of every fixing node.
 Eigen::SparseMatrix<double> regularizeOnNodes(const Eigen::SparseMatrix<double>& K, const Eigen::MatrixXd& kernel,
@@ -67,8 +67,8 @@ void LocalSolver::checkAccuracy() const {
 void LocalSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X,
                         int refinements) const {
   TEUCHOS_ASSERT(B.rows() == kernel_->rows() && X.rows() == B.rows() && X.cols() == B.cols() && refinements >= 0);
-  for (Eigen::Index first = 0; first < B.cols(); first += blockWidth) {
-    const Eigen::Index width = std::min(blockWidth, B.cols() - first);
+  for (Eigen::Index first = 0; first < B.cols(); first += columnsAtATime) {
+    const Eigen::Index width = std::min(columnsAtATime, B.cols() - first);
     solveBlock(B.middleCols(first, width), X.middleCols(first, width), refinements);
   }
 }

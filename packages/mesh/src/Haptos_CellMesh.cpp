@@ -14,8 +14,8 @@ using Index = std::int64_t;
 using Nodes = std::vector<Index>;
 
 // Corners of a hexahedron, 8 its centre.
-const std::vector<std::vector<int>> wedges{{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}};
-const std::vector<std::vector<int>> kuhnTets{{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
+const std::vector<std::vector<int>> wedgePieces{{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}};
+const std::vector<std::vector<int>> tetPieces{{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
 
 Topology topologyOf(std::size_t corners, ElementOrder order) {
   const bool linear = order == ElementOrder::Linear;
@@ -95,7 +95,7 @@ class CellSplitter {
   // The triangles of wedges decide how quadrilaterals beside them are cut, so they are listed before anything else is made.
   void findWedgeSides(const Nodes& nodes, Index cell) {
     if (cells_[std::size_t(cell)] != Cell::Wedges) return;
-    for (const auto& half : wedges)
+    for (const auto& half : wedgePieces)
       for (const int begin : {0, 3})
         halves_.push_back(sorted({nodes[std::size_t(half[std::size_t(begin)])], nodes[std::size_t(half[std::size_t(begin) + 1])],
                                   nodes[std::size_t(half[std::size_t(begin) + 2])]}));
@@ -112,8 +112,8 @@ class CellSplitter {
     };
     switch (cells_[std::size_t(cell)]) {
       case Cell::Hexahedron: return add({{0, 1, 2, 3, 4, 5, 6, 7}});
-      case Cell::Wedges: return add(wedges);
-      case Cell::Tetrahedra: return add(kuhnTets);
+      case Cell::Wedges: return add(wedgePieces);
+      case Cell::Tetrahedra: return add(tetPieces);
       case Cell::Pyramids: break;
     }
     // Six pyramids meet in a node of their own in the middle of the hexahedron.

@@ -36,7 +36,7 @@ std::pair<Eigen::Matrix3d, Eigen::Matrix3d> blocksOf(int i) {
   if (i % 4 == 2) A.row(0).setZero(), B << 1, 0, 0, 0.1, 0.3, 0.05, 0.2, 0.05, 0.4;
   return {A, B};
 }
-Eigen::Matrix3d blockK(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3), 1e-3, 1e-2).asDiagonal(); }
+Eigen::Matrix3d resistance(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3), 1e-3, 1e-2).asDiagonal(); }
 
 // Errors of (M + K) d = b and of (A M + B) d = b, relative.
 Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
@@ -54,14 +54,14 @@ Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, con
   for (int i = 0; i < kGroups; ++i) {
     const auto [A, B] = blocksOf(i);
     general.segment<3>(3 * i) = (A * general.segment<3>(3 * i) + B * expected.segment<3>(3 * i)).eval();
-    symmetric.segment<3>(3 * i) += blockK(i) * expected.segment<3>(3 * i);
+    symmetric.segment<3>(3 * i) += resistance(i) * expected.segment<3>(3 * i);
   }
   ContactMatrix::Blocks A, B, K;
   for (const PairLaw& pair : t.dual.pairs) {
     const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
     A.push_back(blocksOf(i).first);
     B.push_back(blocksOf(i).second);
-    K.push_back(blockK(i));
+    K.push_back(resistance(i));
   }
   const Eigen::VectorXd x = ContactMatrix::Symmetric(matrix, K).solve(contactPart(symmetric)), y = matrix.solve(A, B, contactPart(general), 1e-10);
   const Eigen::VectorXd again = matrix.solve(A, B, contactPart(general), 1e-10);  // with the coarse space as it is

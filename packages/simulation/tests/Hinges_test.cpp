@@ -17,7 +17,7 @@ namespace {
 using namespace Haptos;
 using Teuchos::ParameterList;
 
-Teuchos::Array<std::string> names(std::vector<std::string> list) { return Teuchos::Array<std::string>(list); }
+Teuchos::Array<std::string> arrayOf(std::vector<std::string> list) { return Teuchos::Array<std::string>(list); }
 
 BoxSpec box(const std::string& name, const std::array<double, 3>& lower, const std::array<double, 3>& upper, std::array<int, 3> divisions) {
   BoxSpec spec;
@@ -44,7 +44,7 @@ SourceMesh armAndProp() {
 void addCondition(ParameterList& list, const std::string& set, const std::string& type) {
   auto& condition = list.sublist("Boundary Conditions").sublist(type + " of " + set);
   condition.set<std::string>("Type", type);
-  condition.set("Sets", names({set}));
+  condition.set("Sets", arrayOf({set}));
 }
 
 ParameterList parameters(int subdomains, double pressure) {
@@ -52,7 +52,7 @@ ParameterList parameters(int subdomains, double pressure) {
   list.sublist("Mesh").set<std::string>("File", "in_memory.exo");
   list.sublist("Decomposition").set("Subdomains", subdomains);
   auto& material = list.sublist("Materials").sublist("soft");
-  material.set("Element Blocks", names({"post", "arm", "prop"}));
+  material.set("Element Blocks", arrayOf({"post", "arm", "prop"}));
   material.set("Young's Modulus", 1000.0);
   material.set("Poisson's Ratio", 0.3);
   for (const char* foot : {"post_bottom", "prop_bottom"}) {
@@ -80,7 +80,7 @@ SourceMesh folded(double width) {
 
 ParameterList foldedParameters(const std::string& method) {
   ParameterList list = parameters(4, 1);
-  list.sublist("Materials").sublist("soft").set("Element Blocks", names({"arm", "prop"}));
+  list.sublist("Materials").sublist("soft").set("Element Blocks", arrayOf({"arm", "prop"}));
   auto& conditions = list.sublist("Boundary Conditions");
   conditions.remove("Displacement of post_bottom");
   addCondition(list, "arm_west", "Displacement");
