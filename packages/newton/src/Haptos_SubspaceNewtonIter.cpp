@@ -237,6 +237,10 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
     if (done) stop = NewtonStop::Converged;
     if (done || applications() >= limits.maxApplications) break;
     noteHalving();
+    if (limits.isLongWay && limits.isLongWay()) {
+      stop = NewtonStop::LongWay;
+      break;
+    }
     if (isStuck(limits)) {
       stop = directions_.mayCondenseAtAnyPrice() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;

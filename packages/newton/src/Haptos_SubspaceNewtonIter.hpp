@@ -10,7 +10,9 @@
 namespace Haptos {
 
 /// \brief Why the iteration came back.
-enum class NewtonStop { Converged, Stalled, Plateau, Limit };  ///< Plateau: condensed directions, not yet made, may help
+///
+/// Plateau: condensed directions, not yet made, may help.  LongWay: `NewtonLimits::isLongWay` says so.
+enum class NewtonStop { Converged, Stalled, Plateau, LongWay, Limit };
 
 /// \brief When the iteration comes back.
 struct NewtonLimits {
@@ -21,6 +23,7 @@ struct NewtonLimits {
   /// Asked at every step with lambda, s and the relative residual: what is accepted in parts of what it may be, so 1 or less ends the way.
   /// Replaces `tolerance` where it is set.
   std::function<double(const Eigen::VectorXd&, const Eigen::VectorXd&, double)> measure;
+  std::function<bool()> isLongWay;  ///< asked after it, the same on all ranks; not set: never
 };
 
 /// \brief Nonlinear subspace Newton: one F and one M a step, everything recycled.

@@ -95,6 +95,9 @@ struct SubspaceNewtonOptions {
     double fewSteps = 15;
     /// Where M is likely to be poor, a way of more steps than this, by what so many have brought, is left as well (decisions/042).
     int slowLook = 20, slowSteps = 40;
+    /// The same where a better M is to be had at any price only, by all F so far: with it 15 to 20 are left, and up to three times the seconds
+    /// (decisions/050).
+    double longWay = 100;
   };
 
   /// \brief Directions that the active coarse projection balances (`BalancedDirection`).

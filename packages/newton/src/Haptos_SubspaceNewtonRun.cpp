@@ -3,6 +3,8 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <cmath>
 
 #include "Haptos_FoundationStart.hpp"
 
@@ -80,11 +82,20 @@ void SubspaceNewtonRun::liftRest() {
 
 // At the true coefficients by the status test, which may measure by other norms; before, by the residual.
 double SubspaceNewtonRun::measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
+  least_ = std::min(least_, residual);
   const auto l = vectors_.toVector(lambda);
   if (level.isFinal && hooks_.statusTest) residual = hooks_.statusTest(*l, *vectors_.toVector(s));
   if (level.isFinal) residual_ = residual;
   if (hooks_.observer) hooks_.observer({dual_.F->applications(), residual, level.isFinal}, *l);
   return residual == 0 ? 0 : residual / (level.isFinal ? options_.tolerance : level.tolerance);
+}
+
+// At the rate of all F so far, whatever the level, the answer is far, and there is an M that was too dear.
+bool SubspaceNewtonRun::isLongWay() const {
+  const auto& steps = options_.steps;
+  const long n = dual_.F->applications() - begunAt_;
+  if (directions_.mayCondense() || !directions_.mayCondenseAtAnyPrice() || n < steps.slowLook) return false;
+  return double(n) * std::log(options_.tolerance) < steps.longWay * std::log(least_);
 }
 
 // One law, from the state as it is.
@@ -97,14 +108,17 @@ NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Le
   limits.measure = [&](const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double relative) {
     return measure(lambda, s, relative, level);
   };
-  return iteration_.iterate(law, state_, limits, !pairsFirst);
+  limits.isLongWay = [this] { return isLongWay(); };
+  const NewtonStop stop = iteration_.iterate(law, state_, limits, !pairsFirst);
+  return stop == NewtonStop::LongWay && level.isFinal ? NewtonStop::Plateau : stop;
 }
 
 SubspaceNewtonRun::LevelsEnd SubspaceNewtonRun::runLevels(const FrictionLevels& levels) {
   LevelsEnd end;
   for (const auto& law : levels.laws) {
     const NewtonStop stop = runLevel(law, {levels.tolerance, levels.patience, false}, end.isFresh && isFloating());
-    end.isPlateau = stop == NewtonStop::Plateau && directions_.mayCondense();  // at any price only for the answer
+    // At any price only for the answer, or where it is far.
+    end.isPlateau = stop == NewtonStop::LongWay || (stop == NewtonStop::Plateau && directions_.mayCondense());
     end.isFresh = false;
     if (end.isPlateau) break;
   }
@@ -117,9 +131,15 @@ void SubspaceNewtonRun::condense() {
   iteration_.setPenalty(r_);
 }
 
+void SubspaceNewtonRun::noteBegin() {
+  least_ = 1;
+  begunAt_ = dual_.F->applications();
+}
+
 // Condensed directions are taken from the start where M is known to be poor or ellipses are long, else on a plateau: from the state
 // reached, which is worth more than a fresh start, unless it leads nowhere.
 NewtonStop SubspaceNewtonRun::solveFromStart() {
+  noteBegin();
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
   if (dual_.needsDeflatedM || policy.isElongated()) condense();
   NewtonStop stop = descend();
@@ -141,6 +161,7 @@ NewtonStop SubspaceNewtonRun::leavePlateau(const Level& level) {
 // in their span.  What they cannot do is a case for a fresh start.
 // No pairs are there where the last step was solved as it began.
 NewtonStop SubspaceNewtonRun::solveRenewed() {
+  noteBegin();
   isRenewed_ = isFresh_ = false;
   balance_.balance(state_.lambda, dual_.e);
   liftRest();

@@ -55,10 +55,12 @@ class SubspaceNewtonRun {
   void refreshJumps();
   void takeJumps(Eigen::VectorXd s);
   double measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
+  bool isLongWay() const;
   // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);
   void condense();
+  void noteBegin();
   NewtonStop leavePlateau(const Level& level);
   NewtonStop solveFromStart();
   NewtonStop solveRenewed();
@@ -76,6 +78,8 @@ class SubspaceNewtonRun {
   Eigen::VectorXd first_;  // multipliers given by the user
   NewtonState state_;
   double reference_ = 0, residual_ = -1;
+  double least_ = 1;   // residual since the start, of its jumps
+  long begunAt_ = 0;   // applications of F before
   bool isStarted_ = false, isRenewed_ = false, isFresh_ = false;  // isFresh_: s is that of lambda
 };
 
