@@ -36,17 +36,23 @@ std::vector<int> positionsIn(const std::vector<int>& all, const std::vector<int>
   return positions;
 }
 
-// x at some positions of a longer vector, 0 elsewhere
-Eigen::VectorXd extended(const Eigen::VectorXd& x, const std::vector<int>& positions, std::size_t size) {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(Eigen::Index(size));
-  for (std::size_t i = 0; i < positions.size(); ++i) all[positions[i]] = x[Eigen::Index(i)];
+// Rows of X at some positions of longer columns, 0 elsewhere
+Eigen::MatrixXd extended(const Eigen::MatrixXd& X, const std::vector<int>& positions, std::size_t size) {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(Eigen::Index(size), X.cols());
+  all(positions, Eigen::all) = X;
   return all;
 }
 
-Eigen::VectorXd restricted(const Eigen::VectorXd& all, const std::vector<int>& positions) {
-  Eigen::VectorXd x(Eigen::Index(positions.size()));
-  for (std::size_t i = 0; i < positions.size(); ++i) x[Eigen::Index(i)] = all[positions[i]];
-  return x;
+Eigen::VectorXd restricted(const Eigen::VectorXd& all, const std::vector<int>& positions) { return all(positions); }
+
+// A copy of this rank's entries, [rows x columns].
+Eigen::MatrixXd matrixOf(const MultiVector& x) {
+  Eigen::MatrixXd X(Eigen::Index(x.getLocalLength()), Eigen::Index(x.getNumVectors()));
+  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
+    const auto data = x.getData(v);
+    std::copy(data.begin(), data.end(), X.col(Eigen::Index(v)).data());
+  }
+  return X;
 }
 
 Eigen::VectorXd columnOf(const MultiVector& x, std::size_t v) {
@@ -154,18 +160,21 @@ double ContactBlock::entriesRead() const {
 }
 
 // M_cc x = B_D S B_D^T x, both ends on contact rows: the inverse of their Gram matrix, B^T to the unknowns of contact nodes, S
-// between those, and back.
+// between those, and back.  Solves with the Gram matrix take all columns at a time.
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    const Eigen::VectorXd forces = pairs().solve(extended(columnOf(x, v), contact_, pairs().rows().size()));
-    Eigen::VectorXd t = near_->spread(restricted(forces, nearPairs_));
+  const Eigen::MatrixXd forces = pairs().solve(extended(matrixOf(x), contact_, pairs().rows().size()));
+  Eigen::MatrixXd jumps(Eigen::Index(nearPairs_.size()), forces.cols());
+  for (Eigen::Index v = 0; v < forces.cols(); ++v) {
+    Eigen::VectorXd t = near_->spread(restricted(forces.col(v), nearPairs_));
     applyLocal(t);
-    update(y.getDataNonConst(v), beta, alpha, collect(t));
+    jumps.col(v) = near_->collect(t);
   }
+  const Eigen::MatrixXd result = pairs().solve(extended(jumps, nearPairs_, pairs().rows().size()));
+  for (Eigen::Index v = 0; v < forces.cols(); ++v) update(y.getDataNonConst(std::size_t(v)), beta, alpha, restricted(result.col(v), contact_));
 }
 
 Eigen::VectorXd ContactBlock::collect(const Eigen::VectorXd& t) const {
-  return restricted(pairs().solve(extended(near_->collect(t), nearPairs_, pairs().rows().size())), contact_);
+  return restricted(pairs().solve(extended(near_->collect(t), nearPairs_, pairs().rows().size())).col(0), contact_);
 }
 
 ContactRows::ContactRows(RCP<const DualPreconditioner> preconditioner, RCP<const ContactBlock> block)

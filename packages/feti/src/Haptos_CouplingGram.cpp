@@ -283,7 +283,7 @@ void CouplingGram::factorHeld(const Held& held) {
   C.setFromTriplets(coefficients.begin(), coefficients.end());
   const Matrix S = C * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).asDiagonal() * Matrix(C.transpose());
   heldDiagonal_ = S.diagonal();
-  factor_ = SparseLdl(S);
+  factor_ = ComponentLdl(S);
 }
 
 // Rows of held couplings here, and where their factors are.
@@ -324,31 +324,45 @@ void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, E
 CouplingGram::Transfer CouplingGram::makeTransfer(const Ends& ends) const {
   const auto comm = multipliers_.map()->getComm();
   const auto from = mapOf(ends.from, comm), to = mapOf(ends.to, comm);
-  return {ends.mine, from, to, Teuchos::rcp(new Tpetra::Import<>(from, to)), Teuchos::rcp(new Tpetra::Import<>(to, from))};
+  std::vector<int> held;
+  if (comm->getSize() == 1)
+    for (const GlobalOrdinal value : ends.to) held.push_back(ends.mine[std::size_t(from->getLocalElement(value))]);
+  return {ends.mine, held, from, to, Teuchos::rcp(new Tpetra::Import<>(from, to)), Teuchos::rcp(new Tpetra::Import<>(to, from))};
 }
 
 // Values of this rank to the holders, in the order in which they keep them.
-Eigen::VectorXd CouplingGram::Transfer::gather(const Eigen::VectorXd& own) const {
-  Vector source(from, false), target(to);
-  {
-    const auto data = source.getDataNonConst(0);
-    for (std::size_t i = 0; i < mine.size(); ++i) data[Teuchos_Ordinal(i)] = own[mine[i]];
+Eigen::MatrixXd CouplingGram::Transfer::gather(const Eigen::MatrixXd& own) const {
+  if (from->getComm()->getSize() == 1) return own(held, Eigen::all);
+  MultiVector source(from, std::size_t(own.cols()), false), target(to, std::size_t(own.cols()));
+  for (Eigen::Index j = 0; j < own.cols(); ++j) {
+    const auto data = source.getDataNonConst(std::size_t(j));
+    for (std::size_t i = 0; i < mine.size(); ++i) data[Teuchos_Ordinal(i)] = own(mine[i], j);
   }
   target.doImport(source, *there, Tpetra::INSERT);
-  const auto data = target.getData(0);
-  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
+  Eigen::MatrixXd values(Eigen::Index(target.getLocalLength()), own.cols());
+  for (Eigen::Index j = 0; j < own.cols(); ++j) {
+    const auto data = target.getData(std::size_t(j));
+    std::copy(data.begin(), data.end(), values.col(j).data());
+  }
+  return values;
 }
 
 // And back: a value may have gone to one holder only, so nothing is added.
-void CouplingGram::Transfer::scatter(const Eigen::VectorXd& held, Eigen::VectorXd& own) const {
-  Vector source(to, false), target(from);
-  {
-    const auto data = source.getDataNonConst(0);
-    std::copy(held.data(), held.data() + held.size(), data.begin());
+void CouplingGram::Transfer::scatter(const Eigen::MatrixXd& values, Eigen::MatrixXd& own) const {
+  if (from->getComm()->getSize() == 1) {
+    own(held, Eigen::all) = values;
+    return;
+  }
+  MultiVector source(to, std::size_t(own.cols()), false), target(from, std::size_t(own.cols()));
+  for (Eigen::Index j = 0; j < own.cols(); ++j) {
+    const auto data = source.getDataNonConst(std::size_t(j));
+    std::copy(values.col(j).data(), values.col(j).data() + values.rows(), data.begin());
   }
   target.doImport(source, *back, Tpetra::INSERT);
-  const auto data = target.getData(0);
-  for (std::size_t i = 0; i < mine.size(); ++i) own[mine[i]] = data[Teuchos_Ordinal(i)];
+  for (Eigen::Index j = 0; j < own.cols(); ++j) {
+    const auto data = target.getData(std::size_t(j));
+    for (std::size_t i = 0; i < mine.size(); ++i) own(mine[i], j) = data[Teuchos_Ordinal(i)];
+  }
 }
 
 // As `addDiagonals`.
@@ -357,37 +371,37 @@ void CouplingGram::setHeldDiagonals() {
   for (auto& value : inverse) value = value > 0 ? 1 / value : 0.0;
   Eigen::VectorXd held(turn_.cols() + heldC_.cols());
   held << turn_.cwiseAbs2().transpose() * inverse, heldC_.cwiseAbs2().transpose() * inverse;
-  Eigen::VectorXd own(rowDiagonal_.size() + nodeDiagonal_.size());
+  Eigen::MatrixXd own(rowDiagonal_.size() + nodeDiagonal_.size(), 1);
   own << rowDiagonal_, nodeDiagonal_;
   transfer_.scatter(held, own);
-  rowDiagonal_ = own.head(rowDiagonal_.size());
-  nodeDiagonal_ = own.tail(nodeDiagonal_.size());
+  rowDiagonal_ = own.col(0).head(rowDiagonal_.size());
+  nodeDiagonal_ = own.col(0).tail(nodeDiagonal_.size());
 }
 
-// y = S^-1 x: small groups by their inverses, held ones as T^T S^-1 T x, T the turn to global axes.
-Eigen::VectorXd CouplingGram::solve(const Eigen::VectorXd& x) const {
-  Eigen::VectorXd y = inverse_ * x;
-  if (!isAnyHeld_) return y;
-  const Eigen::VectorXd held = rowTransfer_.gather(x);
-  rowTransfer_.scatter(turn_.transpose() * factor_.solve(turn_ * held), y);
-  return y;
+// Y = S^-1 X: small groups by their inverses, held ones as T^T S^-1 T X, T the turn to global axes.
+Eigen::MatrixXd CouplingGram::solve(const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd Y = inverse_ * X;
+  if (!isAnyHeld_) return Y;
+  const Eigen::MatrixXd held = rowTransfer_.gather(X);
+  rowTransfer_.scatter(turn_.transpose() * factor_.solve(turn_ * held), Y);
+  return Y;
 }
 
 // One gather for x and z: y = S^-1 (x + C z), and C^T y goes back with it.
 void CouplingGram::solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const {
-  Eigen::VectorXd own(x.size() + z.size());
+  Eigen::MatrixXd own(x.size() + z.size(), 1);
   own << x, z;
   x = inverse_ * (x + C_ * z);
   z = C_.transpose() * x;
   if (!isAnyHeld_) return;
   const Eigen::VectorXd values = transfer_.gather(own);
   const Eigen::VectorXd y = factor_.solve(turn_ * values.head(turn_.cols()) + heldC_ * values.tail(heldC_.cols()));
-  Eigen::VectorXd held(values.size());
+  Eigen::MatrixXd held(values.size(), 1);
   held << turn_.transpose() * y, heldC_.transpose() * y;
   own << x, z;
   transfer_.scatter(held, own);
-  x = own.head(x.size());
-  z = own.tail(z.size());
+  x = own.col(0).head(x.size());
+  z = own.col(0).tail(z.size());
 }
 
 }  // namespace Haptos

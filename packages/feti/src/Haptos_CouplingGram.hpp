@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "Haptos_ComponentLdl.hpp"
 #include "Haptos_MultiplierMap.hpp"
-#include "Haptos_SparseLdl.hpp"
 
 namespace Haptos {
 
@@ -14,7 +14,8 @@ namespace Haptos {
 /// C has the rows on the level of nodes (axis x weight, prescribed components left out), W = 1 / sum of the stiffness weights
 /// of a node's copies.  Rows that meet at nodes and lie on one rank are solved by small dense inverses, scaled to unit diagonal
 /// and cut below 1e-10; where they lie on several ranks, or are many, one rank holds a sparse factor of them, and an
-/// application gathers and scatters once.  Three rows of a pair are turned to global axes there, in which S has a block a component.
+/// application gathers and scatters once.  Three rows of a pair are turned to global axes there, in which S has a block a component,
+/// the same where all components of a node or none are prescribed (`ComponentLdl`).
 /// An empty (pinned) row gives zero.  Decision: 023-rows-of-pairs-on-nodes.
 class CouplingGram {
  public:
@@ -24,8 +25,8 @@ class CouplingGram {
   const std::vector<int>& rows() const { return rows_; }    ///< owned rows of pairs, ascending
   const std::vector<int>& nodes() const { return nodes_; }  ///< positions in MultiplierMap::nodeRows that pairs act on, with gluing rows
 
-  /// \brief S^-1 x, [rows()].  Collective where rows meet across ranks.
-  Eigen::VectorXd solve(const Eigen::VectorXd& x) const;
+  /// \brief S^-1 X, [rows() x any].  Collective where rows meet across ranks.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& X) const;
   /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows()], z [3 nodes()].  Collective where rows meet across ranks.
   void solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const;
 
@@ -36,6 +37,7 @@ class CouplingGram {
   /// @}
 
   bool hasFactors() const { return isAnyHeld_; }  ///< whether some rank solves with a sparse factor
+  bool sharesFactor() const { return factor_.isShared(); }  ///< whether this rank's factor is that of each component of its pairs
   int numDropped() const { return factor_.numDropped(); }  ///< unknowns that depend on others, of this rank's factor
 
  private:
@@ -43,11 +45,12 @@ class CouplingGram {
   // Values that go to the ranks that hold factors, and back.
   struct Transfer {
     std::vector<int> mine;  // of rows, then rows().size() + those of nodes
+    std::vector<int> held;  // where there is one rank: which of `mine` it keeps as its first, second, ...
     RCP<const Map> from, to;
     RCP<const Tpetra::Import<>> there, back;
 
-    Eigen::VectorXd gather(const Eigen::VectorXd& own) const;
-    void scatter(const Eigen::VectorXd& held, Eigen::VectorXd& own) const;
+    Eigen::MatrixXd gather(const Eigen::MatrixXd& own) const;
+    void scatter(const Eigen::MatrixXd& held, Eigen::MatrixXd& own) const;
   };
   struct Group;   // rows that meet
   struct Held;    // couplings at the rank that has their factor
@@ -79,7 +82,7 @@ class CouplingGram {
   Transfer rowTransfer_, transfer_;
   Matrix turn_, heldC_;  // [unknowns x held rows], [unknowns x 3 held nodes]
   Eigen::VectorXd heldDiagonal_;
-  SparseLdl factor_;
+  ComponentLdl factor_;
   Eigen::VectorXd rowDiagonal_, nodeDiagonal_;
 };
 

@@ -10,7 +10,6 @@
 #include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_RowGram.hpp"
-#include "Haptos_SparseLdl.hpp"
 
 namespace {
 
@@ -40,6 +39,26 @@ Scene sevenScene() {
   for (std::size_t k = 0; k < 7; ++k) pair.primary.push_back({opposite[k * (opposite.size() - 1) / 6], 1.0 / 7});
   interface.pairs = {pair};
   scene.interfaces = {interface};
+  buildRows(scene);
+  return scene;
+}
+
+// Lists on both sides that have nodes in common, none of them prescribed in any component.
+Scene chainScene() {
+  SceneOptions options;
+  options.lower = options.upper = {5, 4, 2};
+  options.subdomains = 7;
+  options.frictional = true;
+  options.hold = [](int body, const Point& x) { return std::string(std::abs(x[2]) > 1 - 1e-9 && (x[2] < 0) == (body == 0) ? "xyz" : ""); };
+  Scene scene = makeScene(options);
+  auto& pairs = scene.interfaces.front().pairs;
+  const auto matching = pairs;
+  const auto next = [&](std::size_t i) { return matching[(i + 1) % matching.size()]; };
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    pairs[i].frame = makeFrame({0.1 * double(i), 0.2, -1.0}, {1, 0.1 * double(i), 0});
+    pairs[i].secondary = {{matching[i].secondary.front().node, 0.75}, {next(i).secondary.front().node, 0.25}};
+    pairs[i].primary = {{matching[i].primary.front().node, 0.5}, {next(i).primary.front().node, 0.5}};
+  }
   buildRows(scene);
   return scene;
 }
@@ -117,6 +136,35 @@ TEUCHOS_UNIT_TEST(CouplingGram, ChainsOfListsAndTiedPairs) {
     TEST_EQUALITY(held > 0, Tpetra::getDefaultComm()->getSize() > 1);
     if (frictional) TEST_ASSERT(CouplingGram(*dealt.multipliers, true).hasFactors());  // too many rows for an inverse, on one rank too
     compareWithDense(scene, out, success);
+  }
+}
+
+// One factor for all components, three and more right-hand sides of it at a time.
+TEUCHOS_UNIT_TEST(CouplingGram, ComponentsShareAFactor) {
+  const auto comm = Tpetra::getDefaultComm();
+  const auto shares = [&](const Scene& scene) {
+    const Dealt dealt = deal(comm, scene);
+    const int mine = CouplingGram(*dealt.multipliers, true).sharesFactor();
+    int any = 0;
+    Teuchos::reduceAll(*comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(any));
+    return any != 0;
+  };
+  TEST_ASSERT(shares(chainScene()));
+  if (comm->getSize() == 1) TEST_ASSERT(!shares(makeListScene()));  // some components are prescribed
+  compareWithDense(chainScene(), out, success);
+}
+
+TEUCHOS_UNIT_TEST(SparseLdl, SolvesAnyNumberOfColumns) {
+  const int n = 30;
+  Dense C = Dense::Zero(n, n + 3);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < 3; ++j) C(i, (i + 5 * j * j) % (n + 3)) += j == 0 ? 4.0 : 1.0 + 0.1 * j;
+  const Dense A = C * C.transpose();
+  const SparseLdl factor(Eigen::SparseMatrix<double>(A.sparseView()));
+  for (int columns : {1, 2, 3, 7}) {
+    const Dense B = someColumns(n, columns);
+    TEST_ASSERT(largest(A * factor.solve(B) - B) < 1e-10);
+    for (int j = 0; j < columns; ++j) TEST_ASSERT(largest(factor.solve(B).col(j) - factor.solve(B.col(j))) < 1e-15);
   }
 }
 

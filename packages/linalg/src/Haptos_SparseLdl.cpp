@@ -91,17 +91,31 @@ void SparseLdl::factor(const Matrix& A) {
   }
 }
 
-Eigen::VectorXd SparseLdl::solve(const Eigen::VectorXd& b) const {
-  if (b.isZero(0)) return b;  // most motions have nothing where rows couple
-  // P^T L^-T D^-1 L^-1 P b
-  Eigen::VectorXd x = order_ * b;
+// X := L^-T D^-1 L^-1 X
+template <int Width>
+void SparseLdl::solvePermuted(Rows& X) const {
+  using Row = Eigen::Map<Eigen::Matrix<double, 1, Width>>;
+  const Eigen::Index width = X.cols();
+  const auto row = [&](auto i) { return Row(X.data() + Eigen::Index(i) * width, width); };
   const std::size_t n = inversePivots_.size();
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) x[rows_[p]] -= values_[p] * x[Eigen::Index(i)];
-  for (std::size_t i = 0; i < n; ++i) x[Eigen::Index(i)] *= inversePivots_[i];
-  for (std::size_t i = n; i-- > 0;)
-    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) x[Eigen::Index(i)] -= values_[p] * x[rows_[p]];
-  return order_.inverse() * x;
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto xi = row(i);
+    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) row(rows_[p]) -= values_[p] * xi;
+  }
+  for (std::size_t i = 0; i < n; ++i) row(i) *= inversePivots_[i];
+  for (std::size_t i = n; i-- > 0;) {
+    auto xi = row(i);
+    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) xi -= values_[p] * row(rows_[p]);
+  }
+}
+
+SparseLdl::Rows SparseLdl::solve(const Eigen::Ref<const Rows>& B) const {
+  if (B.isZero(0)) return B;  // most motions have nothing where rows couple
+  Rows X = order_ * B;
+  if (X.cols() == 1) solvePermuted<1>(X);
+  else if (X.cols() == 3) solvePermuted<3>(X);
+  else solvePermuted<Eigen::Dynamic>(X);
+  return order_.inverse() * X;
 }
 
 }  // namespace Haptos

@@ -15,13 +15,18 @@ class SparseLdl {
   SparseLdl() = default;
   explicit SparseLdl(const Eigen::SparseMatrix<double>& A);
 
-  Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
+  /// [size x any], row by row: an entry of the factor is read once for all right-hand sides.
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  /// \brief A^-1 B [size x any].
+  Rows solve(const Eigen::Ref<const Rows>& B) const;
   Eigen::Index size() const { return order_.size(); }
   int numDropped() const { return numDropped_; }  ///< empty rows do not count
 
  private:
   void findPattern(const Eigen::SparseMatrix<double>& A);
   void factor(const Eigen::SparseMatrix<double>& A);
+  template <int Width>
+  void solvePermuted(Rows& X) const;
 
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_;
   std::vector<int> parent_;         // elimination tree
