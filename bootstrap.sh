@@ -141,7 +141,7 @@ configure() {
   esac
 }
 
-# One job per core and per 1.5 GB of memory that is free.
+# One job per core and per 1.75 GB of memory that is free.
 # nproc would count the threads that OpenMP may use, which is none of make's business.
 count_cores() { env -u OMP_NUM_THREADS -u OMP_THREAD_LIMIT nproc; }
 
@@ -158,7 +158,7 @@ parallel_jobs() {
     limit=$(cat "$file" 2>/dev/null || true)
     if [[ $limit =~ ^[0-9]{1,15}$ ]] && ((limit / 1024 < ${free_kb:-999999999})); then free_kb=$((limit / 1024)); fi
   done
-  local by_memory=$((${free_kb:-1572864} / 1572864))
+  local by_memory=$((${free_kb:-1835008} / 1835008))
   ((by_memory < cores)) && cores=$by_memory
   ((cores > 0)) || cores=1
   echo "$cores"

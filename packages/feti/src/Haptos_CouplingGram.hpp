@@ -45,7 +45,7 @@ class CouplingGram {
   // Values that go to the ranks that hold factors, and back.
   struct Transfer {
     std::vector<int> mine;  // of rows, then rows().size() + those of nodes
-    std::vector<int> held;  // where there is one rank: which of `mine` it keeps as its first, second, ...
+    std::vector<int> held;  // on one rank: where its values are here, in the order in which it keeps them
     RCP<const Map> from, to;
     RCP<const Tpetra::Import<>> there, back;
 
