@@ -18,7 +18,7 @@ bool hasEqualComponents(const Eigen::SparseMatrix<double>& S) {
     }
     if (S.col(j).nonZeros() != S.col(j + 1).nonZeros() || S.col(j).nonZeros() != S.col(j + 2).nonZeros()) return false;
   }
-  return true;
+  return S.cols() > 0;
 }
 
 // (3 i, 3 j)
