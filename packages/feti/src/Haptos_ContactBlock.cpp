@@ -55,11 +55,6 @@ Eigen::MatrixXd matrixOf(const MultiVector& x) {
   return X;
 }
 
-Eigen::VectorXd columnOf(const MultiVector& x, std::size_t v) {
-  const auto data = x.getData(v);
-  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), data.size());
-}
-
 // y := beta y + alpha x
 void update(const Teuchos::ArrayRCP<double>& y, double beta, double alpha, const Eigen::VectorXd& x) {
   for (Eigen::Index i = 0; i < x.size(); ++i) y[i] = (beta == 0 ? 0.0 : beta * y[i]) + alpha * x[i];
@@ -215,8 +210,9 @@ void ContactRows::findTouchingRows() {
 
 // The left end is that of M_cc; the right one takes all rows that touch an active subdomain, on all of its boundary.
 void ContactRows::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
+  const Eigen::MatrixXd X = matrixOf(x);
   for (std::size_t v = 0; v < x.getNumVectors(); ++v) {
-    const Eigen::VectorXd weighted = preconditioner_->gram().multiply(columnOf(x, v));
+    const Eigen::VectorXd weighted = preconditioner_->gram().multiply(X.col(Eigen::Index(v)));
     update(y.getDataNonConst(v), beta, alpha, block_->collect(multiplyActive(touching_->spread(restricted(weighted, touching_->rows())))));
   }
 }

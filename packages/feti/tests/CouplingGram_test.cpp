@@ -10,6 +10,7 @@
 #include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_RowGram.hpp"
+#include "Haptos_SparseLdl.hpp"
 
 namespace {
 
