@@ -72,12 +72,12 @@ struct CondensedContact::Model {
 
   // Damped Newton; where nothing descends, the full step lets the active set move, unless a path is at hand.  Returns the best point,
   // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
-  Point newton(Point point, double target) const {
+  Point newton(Point point, double target, bool isPatient = false) const {
     const Point first = point;
     const double farthest = M.hasKernel() ? options.farthest * M.vectors().norm(s - point.sigma) : 0.0;
     Point best = point;
     std::vector<double> norms{point.norm};
-    for (int k = 0; point.norm > target && mayGoOn(norms); ++k) {
+    for (int k = 0; point.norm > target && (mayGoOn(norms) || (isPatient && k < options.patientSteps)); ++k) {
       const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
       if (!std::isfinite(M.vectors().norm(d))) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
@@ -92,9 +92,39 @@ struct CondensedContact::Model {
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       norms.push_back(point.norm);
       if (point.norm < best.norm) best = point;
-      if (path.hasStages() && isCreeping(norms)) break;
+      if (!isPatient && path.hasStages() && isCreeping(norms)) break;
     }
     return best;
+  }
+
+  // By the residual that another r makes of the law, as far as it gets; the norm of what it finds is that of r.
+  Point newtonWith(double factor, const Point& from) const {
+    const Eigen::VectorXd otherR = factor * r;
+    const Model other{M, options, pairs, otherR, path, settled, lambda, s};
+    const Point begin = other.at(from.sigma, from.Msigma), end = other.newton(begin, options.otherReduction * options.reduction * begin.norm, true);
+    return at(end.sigma, end.Msigma);
+  }
+
+  // Steps lead somewhere where no motion is free, and where they are cheap they may be tried.
+  Point withOtherPenalties(Point near, const Point& from, double target) const {
+    for (double factor : options.otherPenalties) {
+      if (near.norm <= target || (M.hasKernel() && !M.wasSmall())) break;
+      Point other = newtonWith(factor, from);
+      if (other.norm < near.norm) near = std::move(other);
+    }
+    return near;
+  }
+
+  // With the value of |F s_T| alone some paths end half way, with its derivative others.
+  Point alongPaths(Point near, double target) const {
+    const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
+    for (const auto& [slip, fromStages] : {std::pair(SlipTerm::Value, true), {SlipTerm::Value, false}, {SlipTerm::Derivative, false}}) {
+      if (near.norm <= target) break;
+      if (fromStages && !path.hasStages()) continue;
+      Point far = newton(at(path.follow({pairs, M, lambda, s, slip}, residual, target, fromStages)), target);
+      if (far.norm < near.norm) near = std::move(far);
+    }
+    return near;
   }
 
   // Where nothing moves, or where the last model was solved if that leaves less: models of one run differ little, and what a direction was
@@ -113,17 +143,8 @@ struct CondensedContact::Model {
     // what is solved already is solved closer: the same direction again would bring nothing
     const double target = options.reduction * (from.norm > options.reduction * start.norm ? start.norm : from.norm);
     Point near = newton(from, target);
+    if (near.norm > options.pathFrom * start.norm) near = alongPaths(withOtherPenalties(std::move(near), from, target), target);
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
-    if (near.norm <= target || left <= options.pathFrom) return near;
-    // With the value of |F s_T| alone some paths end half way, with its derivative others.
-    const auto residual = [&](const Eigen::VectorXd& x) { return at(x).norm; };
-    for (const auto& [slip, fromStages] : {std::pair(SlipTerm::Value, true), {SlipTerm::Value, false}, {SlipTerm::Derivative, false}}) {
-      if (fromStages && !path.hasStages()) continue;
-      Point far = newton(at(path.follow({pairs, M, lambda, s, slip}, residual, target, fromStages)), target);
-      if (far.norm < near.norm) near = std::move(far);
-      left = near.norm / start.norm;
-      if (near.norm <= target) break;
-    }
     return near;
   }
 };

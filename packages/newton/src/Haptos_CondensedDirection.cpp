@@ -38,7 +38,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                deflated.entriesRead}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
-      pairStiffness_(without),
+      pairStiffness_(options.penalty * without),
       options_(options) {
   if (!deflated.contactM.is_null()) return;
   // A pinned pair feels nothing; its r is free, but must be a number.

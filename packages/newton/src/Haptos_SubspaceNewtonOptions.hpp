@@ -123,6 +123,9 @@ struct SubspaceNewtonOptions {
     /// The same where subdomains are slender: phi hides jumps of stiff motions behind those of soft ones (1e-2 took up to four times
     /// the F, 1e-5 lost one scene).  1e-9 is round-off in some: three paths were followed for each direction (decisions/040).
     double reductionSlender = 1e-6;
+    /// r relative to the nodal stiffness.  Bodies give way softer than a node does, by bending 1e2 to 1e5 times: at 1 phi hides forces behind jumps, and a
+    /// scene had no answer; 87 scenes took 1446, 1375 F with 1, .02; with .001 twice the seconds (decisions/054).
+    double penalty = 0.02;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
     /// Full steps go too far where v^T F v is this much of v^T M^-1 v: M is scaled for that to be `asFar`, but not by less than `leastScaling` at a time, as
     /// at the end both are round-off.  At 2 they diverge; 1.5 and 1 took as many F, 2 and 1.6 a third more (decisions/052).
@@ -131,6 +134,11 @@ struct SubspaceNewtonOptions {
     /// 1200 of 1381 pairs came to be open, each a tenth of a step of the path (decisions/040).
     int smallSteps = 100;
     double smallLeaves = 0.5;
+    /// Before a path r times these, by so many steps, to so much of `reduction`: steps cost less than those of a path, which one scene needed three of
+    /// for each direction (decisions/054).
+    std::array<double, 2> otherPenalties{0.1, 0.01};
+    int patientSteps = 40;
+    double otherReduction = 0.1;
     /// Where a path has stages to begin at, Newton's method ends where the last so many steps leave more than this (decisions/040).
     int trialSteps = 2;
     double trialLeaves = 0.5;

@@ -96,6 +96,23 @@ TEUCHOS_UNIT_TEST(CondensedContact, FollowsAPathOnlyWhereNewtonLeavesTooMuch) {
   TEST_COMPARE(leftWith(0.99 * left), <, 1e-5);
 }
 
+// With a stiff r phi is hardly more than the jumps, and steps that descend are short: another r comes to the end in as many, without a path.
+TEUCHOS_UNIT_TEST(CondensedContact, TriesOtherPenaltiesBeforeAPath) {
+  const Scene t(false);
+  const Eigen::VectorXd stiff = 1e5 * t.r;
+  const auto leftWith = [&](double factor) {
+    const ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Dense);
+    SubspaceNewtonOptions::Condensed options;
+    options.reduction = options.pathFrom = 1e-8, options.pathSteps = 0;
+    options.newtonSteps = options.patientSteps = 10, options.otherPenalties = {factor, factor};
+    return CondensedContact(t.dual.M, matrix, options).solveLaw(t.dual.pairs, stiff, t.myLambda, t.myS).left;
+  };
+  const double left = leftWith(1), otherLeft = leftWith(1e-4);
+  out << "left " << left << ", with another r " << otherLeft << "\n";
+  TEST_COMPARE(left, >, 1e-6);
+  TEST_COMPARE(otherLeft, <, 1e-8);
+}
+
 // The next model begins where the last one was solved: what is solved already is solved closer, and costs less than from where nothing moves.
 TEUCHOS_UNIT_TEST(CondensedContact, BeginsWhereTheLastModelWasSolved) {
   const Scene t(false);
