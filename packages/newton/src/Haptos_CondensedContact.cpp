@@ -64,6 +64,9 @@ struct CondensedContact::Model {
     return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
   }
 
+  // With factors, that is: by Krylov methods on many pairs a path, which wants two solutions to 1e-6 a step, costs more than all steps of Newton's.
+  bool mayLeaveForPath() const { return path.hasStages() && !M.hasCoarse(); }
+
   // The last steps have left more than `trialLeaves`: a path that is at hand is shorter.
   bool isCreeping(const std::vector<double>& norms) const {
     const std::size_t k = norms.size() - 1, before = std::size_t(options.trialSteps);
@@ -92,7 +95,7 @@ struct CondensedContact::Model {
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       norms.push_back(point.norm);
       if (point.norm < best.norm) best = point;
-      if (!isPatient && path.hasStages() && isCreeping(norms)) break;
+      if (!isPatient && mayLeaveForPath() && isCreeping(norms)) break;
     }
     return best;
   }

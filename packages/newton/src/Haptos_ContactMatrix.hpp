@@ -70,6 +70,7 @@ class ContactMatrix {
 
   /// \brief The part of x [3 pairs] that the kernel spans, of least distance.  Collective.
   Eigen::VectorXd kernelPart(const Eigen::VectorXd& x) const;
+  bool hasCoarse() const { return coarse_ && !isDirect_; }  ///< Krylov methods by a coarse space solve systems
   bool hasKernel() const { return kernel_.cols() > 0; }
 
   const DualVectors& vectors() const { return vectors_; }

@@ -139,7 +139,7 @@ struct SubspaceNewtonOptions {
     std::array<double, 2> otherPenalties{0.1, 0.01};
     int patientSteps = 40;
     double otherReduction = 0.1;
-    /// Where a path has stages to begin at, Newton's method ends where the last so many steps leave more than this (decisions/040).
+    /// Where a path has stages to begin at, and no coarse space serves both, Newton's method ends where the last so many steps leave more (decisions/040).
     int trialSteps = 2;
     double trialLeaves = 0.5;
     double farthest = 10;          ///< growth of the jumps that ends it where friction holds bodies; 1e3 to 1e6 where it goes wrong

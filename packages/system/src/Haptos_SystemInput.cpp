@@ -135,7 +135,7 @@ std::vector<std::string> SystemInput::nameBodies() const {
 void SystemInput::dealSubdomains() {
   dealt_ = subdomains;
   if (anyOfAll(*comm_, !elements.empty()))
-    for (const auto& part : cutElements(*comm_, elements, PartitionOptions{options_})) dealt_.push_back(merge(part));
+    for (const auto& part : cutElements(*comm_, elements, PartitionOptions{options_, {}})) dealt_.push_back(merge(part));
   const int count = int(dealt_.size());
   first_ = sumOfLower(*comm_, count);
   for (int i = 0; i < count; ++i)
