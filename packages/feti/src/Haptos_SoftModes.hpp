@@ -21,8 +21,8 @@ struct SoftSpectrum {
   Eigen::MatrixXd modes;
 };
 
-/// \param S [n x n], \param rigid [n x k] kernel of S, \param softest .05 left an eigenvalue of 175 on thin tetrahedra, .15 leaves 10; .3 costs
-/// more than it saves (decisions/016)
+/// \param S [n x n], \param rigid [n x k] kernel of S, \param softest .05 left an eigenvalue of 175 on thin tetrahedra, .2 leaves 7; .3 costs more
+/// than it saves in most scenes (decisions/016)
 SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, double softest = 0.15);
 
 }  // namespace Haptos

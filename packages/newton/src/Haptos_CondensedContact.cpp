@@ -64,7 +64,7 @@ struct CondensedContact::Model {
     return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
   }
 
-  // With factors, that is: by Krylov methods on many pairs a path, which wants two solutions to 1e-6 a step, costs more than all steps of Newton's.
+  // Not where a coarse space serves Krylov methods: a path wants two solutions to 1e-6 a step, and there costs more than all steps of Newton's.
   bool mayLeaveForPath() const { return path.hasStages() && !M.hasCoarse(); }
 
   // The last steps have left more than `trialLeaves`: a path that is at hand is shorter.

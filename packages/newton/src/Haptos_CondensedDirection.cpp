@@ -62,6 +62,12 @@ void CondensedDirection::holdFloatingBodies(Eigen::VectorXd& v) const {
   vectors.setContact(v, contact);
 }
 
+// A coefficient 0 leaves no force: it goes in a full step, not to what the model was solved to.
+void CondensedDirection::dropWhatSlidesFreely(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, Eigen::VectorXd& v) const {
+  const Eigen::VectorXd forces = balance_.vectors().contact(lambda), free = forces - carriedRows(forces, pairs);
+  balance_.vectors().setContact(v, carriedRows(balance_.vectors().contact(v), pairs) - free);
+}
+
 // v^T F v / v^T M^-1 v is a Rayleigh quotient of M F.  Full steps go too far along v where it is more than 2, and come no nearer from one to the next.
 void CondensedDirection::learn(double vFv) {
   const double quotient = energy_ > 0 ? vFv / energy_ : 0.0;
@@ -75,6 +81,7 @@ Direction CondensedDirection::compute(const std::vector<PairLaw>& pairs, const L
   const DualVectors& vectors = balance_.vectors();
   energy_ = vectors.sum(vectors.gluing(step.z).dot(vectors.gluing(point.s)) + vectors.contact(step.z).dot(step.sigma));
   Direction direction{std::move(step.z), true, -step.sigma, step.left <= kLeadsOn};
+  dropWhatSlidesFreely(pairs, point.lambda, direction.v);
   holdFloatingBodies(direction.v);
   balance_.balance(direction.v);
   return direction;

@@ -26,6 +26,7 @@ class CondensedDirection final : public NewtonDirection {
 
  private:
   void holdFloatingBodies(Eigen::VectorXd& v) const;
+  void dropWhatSlidesFreely(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& lambda, Eigen::VectorXd& v) const;
 
   const GluingBalance& balance_;
   ContactMatrix matrix_;
