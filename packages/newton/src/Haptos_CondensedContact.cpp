@@ -57,30 +57,33 @@ struct CondensedContact::Model {
   }
   Point at(const Eigen::VectorXd& sigma) const { return at(sigma, M.multiply(sigma)); }
 
+  enum class Patience { Usual, Long };
+
   // Steps of few rows are cheap beside those of a path: an active set that moves a few pairs a step may come to its end.
-  bool mayGoOn(const std::vector<double>& norms) const {
+  bool mayGoOn(const std::vector<double>& norms, Patience patience) const {
     const int k = int(norms.size()) - 1, before = k - options.newtonSteps;
+    if (patience == Patience::Long && k < options.patientSteps) return true;
+    if (patience == Patience::Usual && isPathShorter(norms)) return false;
     if (before < 0) return true;
     return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
   }
 
-  // Not where a coarse space serves Krylov methods: a path wants two solutions to 1e-6 a step, and there costs more than all steps of Newton's.
-  bool mayLeaveForPath() const { return path.hasStages() && !M.hasCoarse(); }
-
-  // The last steps have left more than `trialLeaves`: a path that is at hand is shorter.
-  bool isCreeping(const std::vector<double>& norms) const {
+  // The last steps have left more than `trialLeaves`, and a path is at hand.  Not where a coarse space serves Krylov methods: a path wants two
+  // solutions to 1e-6 a step, and there costs more than all steps of Newton's.
+  bool isPathShorter(const std::vector<double>& norms) const {
     const std::size_t k = norms.size() - 1, before = std::size_t(options.trialSteps);
-    return k >= before && *std::min_element(norms.end() - options.trialSteps, norms.end()) > options.trialLeaves * norms[k - before];
+    if (k < before || !path.hasStages() || M.hasCoarse()) return false;
+    return *std::min_element(norms.end() - options.trialSteps, norms.end()) > options.trialLeaves * norms[k - before];
   }
 
   // Damped Newton; where nothing descends, the full step lets the active set move, unless a path is at hand.  Returns the best point,
   // the first one if bodies that friction holds went off: where they are far away phi may be small, and is no solution.
-  Point newton(Point point, double target, bool isPatient = false) const {
+  Point newton(Point point, double target, Patience patience = Patience::Usual) const {
     const Point first = point;
     const double farthest = M.hasKernel() ? options.farthest * M.vectors().norm(s - point.sigma) : 0.0;
     Point best = point;
     std::vector<double> norms{point.norm};
-    for (int k = 0; point.norm > target && (mayGoOn(norms) || (isPatient && k < options.patientSteps)); ++k) {
+    while (point.norm > target && mayGoOn(norms, patience)) {
       const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
       if (!std::isfinite(M.vectors().norm(d))) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
@@ -95,7 +98,6 @@ struct CondensedContact::Model {
       if (M.hasKernel() && M.vectors().norm(s - point.sigma) > farthest) return first;
       norms.push_back(point.norm);
       if (point.norm < best.norm) best = point;
-      if (!isPatient && mayLeaveForPath() && isCreeping(norms)) break;
     }
     return best;
   }
@@ -104,7 +106,7 @@ struct CondensedContact::Model {
   Point newtonWith(double factor, const Point& from) const {
     const Eigen::VectorXd otherR = factor * r;
     const Model other{M, options, pairs, otherR, path, settled, lambda, s};
-    const Point begin = other.at(from.sigma, from.Msigma), end = other.newton(begin, options.otherReduction * options.reduction * begin.norm, true);
+    const Point begin = other.at(from.sigma, from.Msigma), end = other.newton(begin, options.otherReduction * options.reduction * begin.norm, Patience::Long);
     return at(end.sigma, end.Msigma);
   }
 

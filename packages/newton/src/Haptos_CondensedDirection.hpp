@@ -21,7 +21,8 @@ class CondensedDirection final : public NewtonDirection {
   /// \brief Where the full step goes too far for F, M is made smaller, so that the next ones do not.
   void learn(double vFv) override;
 
-  /// \brief 1 / (normal compliance of the pair, the others open), where M is a dense matrix; else as without this direction.
+  /// \brief 1 / (normal compliance of the pair, the others open), where M is a dense matrix; else `Condensed::penalty` times that without this
+  /// direction.
   const Eigen::VectorXd& pairStiffness() const override { return pairStiffness_; }
 
  private:

@@ -124,7 +124,7 @@ struct SubspaceNewtonOptions {
     /// the F, 1e-5 lost one scene).  1e-9 is round-off in some: three paths were followed for each direction (decisions/040).
     double reductionSlender = 1e-6;
     /// r relative to the nodal stiffness.  Bodies give way softer than a node does, by bending 1e2 to 1e5 times: at 1 phi hides forces behind jumps, and a
-    /// scene had no answer; 87 scenes took 1446, 1375 F with 1, .02; with .001 twice the seconds.  From .1 to .01 they hardly differ (decisions/054).
+    /// scene had no answer; 87 scenes took 1446, 1373 F with 1, .05; with .001 twice the seconds.  From .1 to .01 they hardly differ (decisions/054).
     double penalty = 0.05;
     int newtonSteps = 12;          ///< from a start near the solution two or three do; what needs more is a case for the path
     /// Full steps go too far where v^T F v is this much of v^T M^-1 v: M is scaled for that to be `asFar`, but not by less than `leastScaling` at a time, as
