@@ -208,7 +208,8 @@ void SubspaceNewtonIter::noteHalving() {
 
 // Condensed directions may help where the pairs do not.  Another r sets the count of a stall back, so a round of them has a bound of its own.
 bool SubspaceNewtonIter::isStuck(const NewtonLimits& limits) const {
-  const bool isOnPlateau = directions_.mayCondense() && isPoor(options_.windowFactorOfBetter) && !isNearlyThere(limits);
+  const double factor = int(measures_.size()) <= options_.firstSteps ? options_.windowFactorAtFirst : options_.windowFactorOfBetter;
+  const bool isOnPlateau = directions_.mayCondense() && isPoor(factor) && !isNearlyThere(limits);
   return hasStalled(limits, 1) || isSlow() || (limits.stall > 0 && isRoundForNothing_) || hopeless_ >= options_.hopelessDirections || isOnPlateau;
 }
 
