@@ -118,30 +118,50 @@ std::vector<std::vector<SharedBoundary>> sharedBoundaries(const DualPrecondition
   return all;
 }
 
+// Subdomains of this rank look at each other's S, which is kept anyway; those of others get what both have.
 NeighbourStiffness::NeighbourStiffness(const DualPreconditioner& M, const std::vector<Eigen::MatrixXd>& S)
     : M_(M), S_(S), weights_(copyWeights(M)), glued_(std::size_t(M.systems().size())) {
   const auto& comm = *M.getRangeMap()->getComm();
   const auto shared = sharedBoundaries(M);
   const int first = M.jump().firstSubdomain();
+  const auto unknownsOf = [&](int subdomain, int neighbour) -> const std::vector<int>& {
+    const auto& all = shared[std::size_t(subdomain - first)];
+    return std::lower_bound(all.begin(), all.end(), neighbour, [](const SharedBoundary& b, int other) { return b.neighbour < other; })->unknowns;
+  };
   std::vector<std::vector<Message>> messages(std::size_t(comm.getSize()));
   for (std::size_t i = 0; i < shared.size(); ++i) {
-    const Eigen::MatrixXd& Si = S[std::size_t(M.systems()[int(i)].congruenceClass)];
+    const int mine = first + int(i);
+    const Eigen::MatrixXd& Si = stiffnessOf(int(i));
     if (Si.size() == 0) continue;
     const Eigen::VectorXd v = ownShares(weights_[i]);
     for (const SharedBoundary& boundary : shared[i]) {
-      Message message{first + int(i), boundary.neighbour, {}, lowerTriangle(Si, boundary.unknowns)};
-      for (int k : boundary.unknowns) message.shares.push_back(v[k]);
-      messages[std::size_t(boundary.rank)].push_back(std::move(message));
+      std::vector<double> shares;
+      for (int k : boundary.unknowns) shares.push_back(v[k]);
+      if (boundary.rank == comm.getRank())
+        glued_[std::size_t(boundary.neighbour - first)].push_back({mine, unknownsOf(boundary.neighbour, mine), std::move(shares), {}, boundary.unknowns});
+      else messages[std::size_t(boundary.rank)].push_back({mine, boundary.neighbour, std::move(shares), lowerTriangle(Si, boundary.unknowns)});
     }
   }
   for (auto& received : exchangeValues(comm, messages))
-    for (Message& message : received) {
-      const auto& mine = shared[std::size_t(message.to - first)];
-      const auto boundary = std::lower_bound(mine.begin(), mine.end(), message.from, [](const SharedBoundary& b, int from) { return b.neighbour < from; });
-      glued_[std::size_t(message.to - first)].push_back({message.from, boundary->unknowns, std::move(message.shares), std::move(message.lower)});
-    }
+    for (Message& message : received)
+      glued_[std::size_t(message.to - first)].push_back(
+          {message.from, unknownsOf(message.to, message.from), std::move(message.shares), std::move(message.lower), {}});
   for (auto& neighbours : glued_)  // sums in one order on any number of ranks
     std::sort(neighbours.begin(), neighbours.end(), [](const Neighbour& a, const Neighbour& b) { return a.subdomain < b.subdomain; });
+}
+
+const Eigen::MatrixXd& NeighbourStiffness::stiffnessOf(int local) const { return S_[std::size_t(M_.systems()[local].congruenceClass)]; }
+
+// add(i, j, value) of the lower triangle of a neighbour's S between what it shares, column by column.
+template <class Add>
+void NeighbourStiffness::forEntries(const Neighbour& neighbour, Add&& add) const {
+  const std::size_t n = neighbour.unknowns.size();
+  const double* value = neighbour.lower.data();
+  const bool isHere = !neighbour.places.empty();
+  for (std::size_t j = 0; j < n; ++j) {
+    const double* column = isHere ? stiffnessOf(neighbour.subdomain - M_.jump().firstSubdomain()).col(neighbour.places[j]).data() : nullptr;
+    for (std::size_t i = j; i < n; ++i) add(i, j, isHere ? column[neighbour.places[i]] : *value++);
+  }
 }
 
 // Columns of the copy weights without those whose S is known.
@@ -159,20 +179,17 @@ Eigen::MatrixXd NeighbourStiffness::weightsOfOthers(int subdomain, const Eigen::
 
 // (1 - v)_i S_i (1 - v)_i + sum over what it is glued to  v_i S_j v_i + S_i o (D D^T) of the others
 Eigen::MatrixXd NeighbourStiffness::energy(int subdomain) const {
-  const Eigen::MatrixXd& S = S_[std::size_t(M_.systems()[subdomain].congruenceClass)];
+  const Eigen::MatrixXd& S = stiffnessOf(subdomain);
   const Eigen::VectorXd v = ownShares(weights_[std::size_t(subdomain)]);
   const Eigen::MatrixXd D = weightsOfOthers(subdomain, v);
   Eigen::MatrixXd A = S.cwiseProduct(D * D.transpose());
-  for (const Neighbour& neighbour : glued_[std::size_t(subdomain)]) {
-    const double* value = neighbour.lower.data();
-    for (std::size_t j = 0; j < neighbour.unknowns.size(); ++j)
-      for (std::size_t i = j; i < neighbour.unknowns.size(); ++i) {
-        const int row = neighbour.unknowns[i], column = neighbour.unknowns[j];
-        const double energy = v[row] * v[column] * *value++;
-        A(row, column) += energy;
-        if (i != j) A(column, row) += energy;
-      }
-  }
+  for (const Neighbour& neighbour : glued_[std::size_t(subdomain)])
+    forEntries(neighbour, [&](std::size_t i, std::size_t j, double value) {
+      const int row = neighbour.unknowns[i], column = neighbour.unknowns[j];
+      const double energy = v[row] * v[column] * value;
+      A(row, column) += energy;
+      if (i != j) A(column, row) += energy;
+    });
   return A;
 }
 

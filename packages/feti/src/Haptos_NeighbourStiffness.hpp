@@ -19,7 +19,7 @@ std::vector<std::vector<SharedBoundary>> sharedBoundaries(const DualPrecondition
 
 /// \brief What it costs to move copies of a subdomain's nodes apart: |P_D w|^2 in S of the subdomain and of its neighbours.
 ///
-/// Each neighbour that it is glued to sends its own S between the unknowns that both have: near incompressibility no other matrix has
+/// Each neighbour that it is glued to gives its own S between the unknowns that both have: near incompressibility no other matrix has
 /// its digits (decisions/042).  For S of what it meets at closed contact, and of neighbours whose S is not made, its own stands, times the
 /// ratio of the stiffness weights.
 class NeighbourStiffness {
@@ -35,8 +35,13 @@ class NeighbourStiffness {
   struct Neighbour {
     int subdomain;           // global
     std::vector<int> unknowns;
-    std::vector<double> shares, lower;  // its v_j, and the lower triangle of its S, column by column
+    std::vector<double> shares;  // its v_j
+    std::vector<double> lower;   // triangle of its S, column by column; of one of another rank
+    std::vector<int> places;     // of the same unknowns among its own; of one of this rank
   };
+  const Eigen::MatrixXd& stiffnessOf(int local) const;
+  template <class Add>
+  void forEntries(const Neighbour& neighbour, Add&& add) const;
   Eigen::MatrixXd weightsOfOthers(int subdomain, const Eigen::VectorXd& v) const;
 
   const DualPreconditioner& M_;

@@ -3,6 +3,7 @@
 
 #include <Teuchos_Assert.hpp>
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace Haptos {
@@ -19,6 +20,13 @@ Eigen::MatrixXd rowsOf(const Matrix& X, const Indices& rows) {
   for (Eigen::Index j = 0; j < part.cols(); ++j)
     for (std::size_t i = 0; i < rows.size(); ++i) part(Eigen::Index(i), j) = X(rows[i], j);
   return part;
+}
+
+// left^T X(rows, :), rows being those of `left`
+template <class Left, class Matrix>
+Eigen::MatrixXd productOnRows(const Left& left, const Indices& rows, const Matrix& X) {
+  if (Eigen::Index(rows.size()) == X.rows()) return left.transpose() * X;
+  return left.transpose() * rowsOf(X, rows);
 }
 
 // X(rows, columns) := X(rows, columns) + factor part
@@ -66,18 +74,34 @@ void SubdomainColumns::append(const ConstValues& t) {
   }
 }
 
-// The column that comes next, to the last block if that has its rows.
+// The column that comes next, to the last block if that is good for both. Columns that decay end in round-off somewhere, each elsewhere.
 void SubdomainColumns::appendColumn(std::size_t subdomain, const Eigen::VectorXd& x, double negligible) {
   Indices rows;
   for (Eigen::Index i = 0; i < x.size(); ++i)
     if (std::abs(x[i]) > negligible) rows.push_back(i);
   if (rows.empty()) return;
   Part& part = *parts_[subdomain];
-  if (part.empty() || !std::includes(part.back().rows.begin(), part.back().rows.end(), rows.begin(), rows.end()))
-    part.push_back({std::move(rows), {}, {}});
+  if (part.empty() || !part.back().take(rows)) part.push_back({std::move(rows), {}, {}});
   Block& block = part.back();
   block.columns.push_back(cols_);
   for (Eigen::Index row : block.rows) block.values.push_back(x[row]);
+}
+
+// Whether a column with these rows may come to it, which then has them: if few zeros come with it.
+bool SubdomainColumns::Block::take(const Indices& more) {
+  if (std::includes(rows.begin(), rows.end(), more.begin(), more.end())) return true;
+  Indices both;
+  std::set_union(rows.begin(), rows.end(), more.begin(), more.end(), std::back_inserter(both));
+  const std::size_t apart = rows.size() * columns.size() + more.size(), together = both.size() * (columns.size() + 1);
+  if (4 * together > 5 * apart) return false;
+  Eigen::MatrixXd wider = Eigen::MatrixXd::Zero(Eigen::Index(both.size()), Eigen::Index(columns.size()));
+  for (std::size_t i = 0, k = 0; i < rows.size(); ++i, ++k) {
+    while (both[k] != rows[i]) ++k;
+    wider.row(Eigen::Index(k)) = matrix().row(Eigen::Index(i));
+  }
+  values.assign(wider.data(), wider.data() + wider.size());
+  rows = std::move(both);
+  return true;
 }
 
 void SubdomainColumns::copyTo(Eigen::Index first, Values t) const {
@@ -96,7 +120,7 @@ Eigen::MatrixXd SubdomainColumns::transposedTimes(const ConstValues& t) const {
   const Indices all = upTo(t.cols());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     const Eigen::MatrixXd x = rowsOf(t, unknowns_[i]);
-    for (const Block& block : *parts_[i]) addTo(result, block.columns, all, 1.0, block.matrix().transpose() * rowsOf(x, block.rows));
+    for (const Block& block : *parts_[i]) addTo(result, block.columns, all, 1.0, productOnRows(block.matrix(), block.rows, x));
   }
   return result;
 }
@@ -115,7 +139,7 @@ Eigen::MatrixXd SubdomainColumns::gram(const SubdomainColumns& C) const {
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(cols_, C.cols_);
   for (std::size_t i = 0; i < parts_.size(); ++i)
     forPanels(*C.parts_[i], unknowns_[i].size(), [&](const Indices& columns, const Eigen::MatrixXd& X) {
-      for (const Block& left : *parts_[i]) addTo(result, left.columns, columns, 1.0, left.matrix().transpose() * rowsOf(X, left.rows));
+      for (const Block& left : *parts_[i]) addTo(result, left.columns, columns, 1.0, productOnRows(left.matrix(), left.rows, X));
     });
   return result;
 }

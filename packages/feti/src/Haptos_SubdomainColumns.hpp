@@ -26,6 +26,7 @@ class SubdomainColumns {
   void share(std::size_t subdomain, const SubdomainColumns& other) { parts_[subdomain] = other.parts_[subdomain], isShared_[subdomain] = 1; }
 
   Eigen::Index cols() const { return cols_; }
+  std::size_t numBlocks(std::size_t subdomain) const { return parts_[subdomain]->size(); }  ///< that products take one after the other
   /// \brief t := A(:, first + 0, 1, ...)
   void copyTo(Eigen::Index first, Values t) const;
   /// \brief A^T t [n x columns of t]
@@ -43,6 +44,7 @@ class SubdomainColumns {
     std::vector<Eigen::Index> rows;     // among the subdomain's unknowns, ascending
     std::vector<Eigen::Index> columns;  // ascending
     std::vector<double> values;         // [rows x columns], column after column: it grows
+    bool take(const std::vector<Eigen::Index>& more);
     Eigen::Map<const Eigen::MatrixXd> matrix() const { return {values.data(), Eigen::Index(rows.size()), Eigen::Index(columns.size())}; }
   };
   using Part = std::vector<Block>;

@@ -63,6 +63,23 @@ TEUCHOS_UNIT_TEST(SubdomainColumns, RestIsThatOfEverySubdomain) {
   }
 }
 
+// Columns that decay, and end in round-off each elsewhere, are one block, as are those without a zero or two; what lies elsewhere is another.
+TEUCHOS_UNIT_TEST(SubdomainColumns, ColumnsOfNearlyTheSameRowsAreOneBlock) {
+  std::vector<Eigen::Index> unknowns(60);
+  for (std::size_t k = 0; k < unknowns.size(); ++k) unknowns[k] = Eigen::Index(k);
+  Dense A = Dense::Zero(60, 40);
+  for (Eigen::Index j = 0; j < 30; ++j) A.col(j).segment(2 + j % 3, 22 - j % 4) = Dense::Random(22 - j % 4, 1);
+  for (Eigen::Index j = 30; j < 40; ++j) A.col(j).segment(35, 20) = Dense::Random(20, 1);
+  SubdomainColumns blocks({unknowns});
+  blocks.append(A.leftCols(17));
+  blocks.append(A.rightCols(23));
+  TEST_EQUALITY(blocks.numBlocks(0), 2u);
+  Dense all(60, 40), x = Dense::Random(60, 2);
+  blocks.copyTo(0, all);
+  TEST_EQUALITY(difference(all, A), 0.0);
+  TEST_COMPARE(difference(blocks.transposedTimes(x), A.transpose() * x), <=, 1e-13);
+}
+
 // What is shared is not appended twice.
 TEUCHOS_UNIT_TEST(SubdomainColumns, SharedSubdomainsAreTheOtherMatrix) {
   SubdomainColumns half(kUnknowns), rest(kUnknowns);

@@ -44,6 +44,12 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   /// \brief Lets A go after `numericFactorization`; only solves are possible then.
   double flops() const { return flops_; }    ///< of the numeric factorisation
   bool isSingle() const { return isSuper_ && single_; }
+  bool isSupernodal() const { return isSuper_; }
+  /// \brief Lower triangle of S := S - B^T A^-1 B, by a supernodal L.
+  void subtractGram(const Eigen::SparseMatrix<double>& B, Eigen::MatrixXd& S) const {
+    if (single_) inSingle_.subtractGram(B, S);
+    else inDouble_.subtractGram(B, S);
+  }
   void releaseMatrix() {
     this->matrixA_ = Teuchos::null;
     starts_ = {};

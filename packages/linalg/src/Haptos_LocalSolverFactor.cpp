@@ -141,6 +141,27 @@ void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen:
   impl_->solve(wide, B, X);
 }
 
+// Half a solve where L is supernodal. Where it is not, or another's, whole ones: so many columns at once as fill a processor's memory.
+void LocalSolverFactor::subtractGram(const Eigen::SparseMatrix<double>& B, Eigen::MatrixXd& S) const {
+  constexpr Eigen::Index kColumns = 64;
+  TEUCHOS_ASSERT(B.rows() == rows() && S.rows() == B.cols() && S.cols() == B.cols());
+#ifdef HAPTOS_HAVE_CHOLMOD
+  const auto own = Teuchos::rcp_dynamic_cast<CholmodSolver<CrsMatrix, MultiVector>>(impl_->solver);
+  const bool isDone = !own.is_null() && own->isSupernodal();
+  if (isDone) own->subtractGram(B, S);
+#else
+  constexpr bool isDone = false;
+#endif
+  for (Eigen::Index first = 0; first < B.cols() && !isDone; first += kColumns) {
+    const Eigen::Index width = std::min(kColumns, B.cols() - first);
+    const Eigen::MatrixXd force = B.middleCols(first, width);
+    Eigen::MatrixXd motion(force.rows(), width);
+    solve(force, motion);
+    S.middleCols(first, width).noalias() -= B.transpose() * motion;
+  }
+  S.triangularView<Eigen::StrictlyUpper>() = S.transpose();
+}
+
 Eigen::Index LocalSolverFactor::rows() const { return impl_->rows; }
 
 // Of solvers of others it is not known whether they look at the matrix again.

@@ -61,6 +61,9 @@ class LocalSolverFactor {
   /// several threads; they then wait for each other.
   void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
 
+  /// \brief S := S - B^T A^-1 B, B [n x m] sparse, S [m x m], of which the lower triangle is taken and both are given.
+  void subtractGram(const Eigen::SparseMatrix<double>& B, Eigen::MatrixXd& S) const;
+
   /// \brief Frees A where the solver can do without it (CHOLMOD of ours); `matrix` must not be called after it.
   void releaseMatrix();
 

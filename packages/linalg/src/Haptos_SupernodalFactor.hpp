@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <cstddef>
 #include <vector>
 
@@ -50,6 +51,9 @@ class SupernodalFactor {
   void backward(Matrix& X) const;  ///< X := L^-T X
   /// @}
 
+  /// \brief Lower triangle of S := S - B^T A^-1 B, B [n x m], S [m x m]: half a solve, of a column only where it is not zero.
+  void subtractGram(const Eigen::SparseMatrix<double>& B, Eigen::MatrixXd& S) const;
+
   Eigen::Index rows() const { return Eigen::Index(perm_.size()); }
   std::size_t entries() const { return std::size_t(entries_.size()); }
 
@@ -57,6 +61,7 @@ class SupernodalFactor {
   std::vector<Scalar> workspace() const { return std::vector<Scalar>(std::size_t(largest_) + 1); }
   Matrix triangleOf(const Supernode& node) const;
   void append(const Supernode& node, const double* block);
+  class Gram;
 
   std::vector<int> perm_;
   std::vector<Supernode> nodes_;

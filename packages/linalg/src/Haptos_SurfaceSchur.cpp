@@ -178,15 +178,8 @@ Eigen::MatrixXd SurfaceSchur::block(const std::vector<int>& c) const {
   for (Eigen::Index j = 0; j < n; ++j)
     for (Eigen::SparseMatrix<double>::InnerIterator it(K.Kbb, j); it; ++it)
       if (position[std::size_t(it.row())] >= 0) S(position[std::size_t(it.row())], j) = it.value();
-  if (!interior_) return S;
-  for (Eigen::Index first = 0; first < n; first += blockWidth) {
-    const Eigen::Index width = std::min(blockWidth, n - first);
-    const Eigen::MatrixXd force = K.Kib.middleCols(first, width);
-    Eigen::MatrixXd motion(force.rows(), width);
-    interior_->solve(force, motion);
-    S.middleCols(first, width) -= timesColumns(K.Kib.transpose(), motion);
-  }
-  return 0.5 * (S + S.transpose());
+  if (interior_) interior_->subtractGram(K.Kib, S);
+  return S;
 }
 
 Eigen::MatrixXd SurfaceSchur::dense() const {

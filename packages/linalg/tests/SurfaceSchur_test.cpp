@@ -88,6 +88,27 @@ TEUCHOS_UNIT_TEST(SurfaceSchur, BlockIsThatOfTheWhole) {
       TEST_ASSERT(std::abs(block(Eigen::Index(i), Eigen::Index(j)) - S(c[i], c[j])) <= 1e-13 * S.norm());
 }
 
+// Of a long part the columns of one end reach nothing of the other until the middle is eliminated; a column of K_ib may be empty.
+TEUCHOS_UNIT_TEST(SurfaceSchur, BlocksOfALongPart) {
+  const auto mesh = boxMesh({4, 4, 24}, {1, 1, 6}, 0.1);
+  const auto s = makeSubdomain(mesh, allElements(mesh), 2e5, 0.3);
+  std::vector<int> boundary, c;
+  for (int node = 0; node < int(mesh.nodes.size()); ++node)
+    if (mesh.nodes[std::size_t(node)][2] < 0.3 || mesh.nodes[std::size_t(node)][2] > 5.9)  // two layers at one end: the outer one has no neighbour inside
+      for (int d = 0; d < 3; ++d) boundary.push_back(3 * node + d);
+  for (int i = 0; i < int(boundary.size()); i += 3) c.push_back(i);
+  const Dense reference = denseSchur(s.K, boundary);
+  for (const auto precision : {FactorPrecision::Double, FactorPrecision::Single}) {
+    const SurfaceSchur schur(s.K, s.kernel, boundary, LocalSolverMethod::Automatic, precision);
+    const double tolerance = precision == FactorPrecision::Double ? 1e-12 : 1e-6;
+    TEST_COMPARE(difference(schur.dense(), reference), <=, tolerance);
+    const Dense block = schur.block(c);
+    for (std::size_t i = 0; i < c.size(); ++i)
+      for (std::size_t j = 0; j < c.size(); ++j)
+        TEST_ASSERT(std::abs(block(Eigen::Index(i), Eigen::Index(j)) - reference(c[i], c[j])) <= tolerance * reference.norm());
+  }
+}
+
 // In any units: the entries lie far outside the range of single precision.
 TEUCHOS_UNIT_TEST(SurfaceSchur, SinglePrecisionInAnyUnits) {
   const auto mesh = boxMesh({6, 5, 5}, {1.2, 1, 1}, 0.15);
