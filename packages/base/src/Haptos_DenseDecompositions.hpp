@@ -16,6 +16,13 @@ struct SymmetricEigen {
   explicit SymmetricEigen(const Eigen::MatrixXd& A);
 };
 
+/// \brief Eigenvalues below `most`, ascending, and orthonormal eigenvectors of a symmetric matrix (its lower triangle) without any below -1.
+struct EigenBelow {
+  Eigen::VectorXd values;
+  Eigen::MatrixXd vectors;  ///< columns
+  EigenBelow(Eigen::MatrixXd A, double most);
+};
+
 /// \brief Eigenvalues above `least`, ascending, and their vectors of A v = theta B v, v^T B v = 1; none where B is not positive definite.
 ///
 /// Of large matrices to a few per cent of an eigenvalue: of those near `least` some may be missing.

@@ -34,6 +34,23 @@ struct Pencil {
 
 }  // namespace
 
+// Some, some in pairs that are the same, one that round-off left negative, none, all.
+TEUCHOS_UNIT_TEST(EigenBelow, FindsAllBelowABound) {
+  for (const auto& [n, few] : {std::pair(300, 40), {60, 0}, {60, 60}, {1, 1}}) {
+    Values mu(n);
+    for (Eigen::Index k = 0; k < n; ++k) mu[k] = k < few ? 0.1 * double((k + 1) / 2 * 2) / few : 0.2 + double(k);
+    if (few > 0) mu[0] = -1e-13;
+    const Dense Q = Testing::squareQ(numbers(n, n, 0.3)), A = Q * mu.asDiagonal() * Q.transpose();
+    const EigenBelow found(A, 0.15);
+    TEST_EQUALITY(found.values.size(), Eigen::Index(few));
+    TEST_EQUALITY(found.vectors.cols(), Eigen::Index(few));
+    if (found.values.size() != few || few == 0) continue;
+    TEST_COMPARE((found.values - mu.head(few)).cwiseAbs().maxCoeff(), <, 1e-12 * double(n));
+    TEST_COMPARE((found.vectors.transpose() * found.vectors - Dense::Identity(few, few)).cwiseAbs().maxCoeff(), <, 1e-11);
+    TEST_COMPARE((A * found.vectors - found.vectors * found.values.asDiagonal()).cwiseAbs().maxCoeff(), <, 1e-11 * double(n));
+  }
+}
+
 // A few of them above the bound in a matrix that is large, some of those close together; with all of them above it, and in a small one; none, or one that
 // is hardly above it.
 TEUCHOS_UNIT_TEST(LargestEigen, FindsAllAboveABound) {

@@ -278,15 +278,17 @@ void DeflatedPreconditioner::assemble() {
     for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   shareSlender(HZ_, CHZ_);
+  RCP<MultiVector> t;  // the same memory as long as it may be: other pages cost as much as what is done to them
   for (int first = 0; first < all; first += kColumnsOfZ) {
     const int width = std::min(kColumnsOfZ, all - first);
-    MultiVector t(base_->jump().getDomainMap(), width);
+    if (t.is_null() || int(t->getNumVectors()) != width) t = Teuchos::rcp(new MultiVector(base_->jump().getDomainMap(), width));
+    else t->putScalar(0.0);
     for (int j = 0; j < width; ++j) {
       const int own = first + j - before;
-      if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], t, std::size_t(j));
+      if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], *t, std::size_t(j));
     }
-    averageMotions(t);
-    makeHalves(t, HZ_, CHZ_);
+    averageMotions(*t);
+    makeHalves(*t, HZ_, CHZ_);
   }
   const auto K = sumOfAll(comm, HZ_.gram(CHZ_));
   factor(0.5 * (K + K.transpose()));

@@ -58,8 +58,12 @@ void DualPreconditioner::scale(MultiVector& t) const {
 
 // t = B_D^T x = W B^T (B W B^T)^+ x
 void DualPreconditioner::spread(const MultiVector& x, MultiVector& t) const {
-  MultiVector z(x.getMap(), x.getNumVectors(), false);
-  gram_->apply(x, z);
+  MultiVector z(x, Teuchos::Copy);
+  spreadInPlace(z, t);
+}
+
+void DualPreconditioner::spreadInPlace(MultiVector& z, MultiVector& t) const {
+  gram_->apply(z, z);
   jump_->apply(z, t, Teuchos::TRANS);
   scale(t);
 }
@@ -72,11 +76,16 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
   gram_->apply(z, y);
 }
 
+// A vector at a time stays in a processor's own memory; on several ranks each would cost its messages.
 void DualPreconditioner::average(MultiVector& t) const {
-  MultiVector jumps(getRangeMap(), t.getNumVectors(), false), apart(t.getMap(), t.getNumVectors(), false);
-  jump_->apply(t, jumps);
-  spread(jumps, apart);
-  t.update(-1.0, apart, 1.0);
+  const std::size_t all = t.getNumVectors(), width = getRangeMap()->getComm()->getSize() == 1 ? std::min<std::size_t>(all, 1) : all;
+  MultiVector jumps(getRangeMap(), width, false), apart(t.getMap(), width, false);
+  for (std::size_t first = 0; first < all; first += width) {
+    const auto part = t.subViewNonConst(Teuchos::Range1D(Teuchos::Ordinal(first), Teuchos::Ordinal(first + width) - 1));
+    jump_->apply(*part, jumps);
+    spreadInPlace(jumps, apart);
+    part->update(-1.0, apart, 1.0);
+  }
 }
 
 // M x = B_D S B_D^T x, vector by vector in workspaces that stay

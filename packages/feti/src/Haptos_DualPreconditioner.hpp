@@ -51,6 +51,7 @@ class DualPreconditioner final : public Operator {
  private:
   void applyLocal(MultiVector& t) const;
   void scale(MultiVector& t) const;  // t := W t
+  void spreadInPlace(MultiVector& z, MultiVector& t) const;  // z is changed
 
   RCP<const JumpOperator> jump_;
   RCP<const LocalSystems> systems_;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_DenseSymmetric.hpp"
 
 namespace Haptos {
 
@@ -22,23 +23,33 @@ bool isSlender(const Coordinates& coordinates) {
   return squares[2] > kRatio * kRatio * squares[0];
 }
 
+namespace {
+
+// L = C^T (1 - Q Q^T) with A + Q Q^T = C C^T, or by all eigenvectors, mu^1/2 V^T, where round-off leaves A + Q Q^T indefinite. Either root has the
+// energies that A has, as sums of squares, and none of rigid motions.
+Eigen::MatrixXd rootOf(const Eigen::MatrixXd& A, const Eigen::MatrixXd& Q) {
+  Eigen::MatrixXd C = A + Q * Q.transpose();
+  if (Lapack::choleskyInPlace(C)) {
+    C.triangularView<Eigen::StrictlyUpper>().setZero();
+    C -= Q * (Q.transpose() * C).eval();
+    return C.transpose();
+  }
+  const SymmetricEigen eigen(A + 2 * A.trace() * Q * Q.transpose());
+  Eigen::VectorXd mu = eigen.values.cwiseMax(0.0);
+  mu.tail(Q.cols()).setZero();
+  return mu.cwiseSqrt().asDiagonal() * eigen.vectors.transpose();
+}
+
+}  // namespace
+
 // S w = mu D w, D = diag S, as A = D^-1/2 S D^-1/2 with eigenvectors V = D^1/2 W.  Rigid motions have mu = 0 up to round-off, which
-// would mix them with soft ones: they are shifted beyond the spectrum, by 2 tr A, and their mu is set to 0.  S = L^T L with
-// L = mu^1/2 V^T D^1/2.
+// would mix them with soft ones: they are shifted beyond the spectrum, by 2 tr A.
 SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid, double softest) {
   const Eigen::VectorXd root = S.diagonal().cwiseSqrt(), inverse = root.cwiseInverse();
-  Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal();
-  const Eigen::MatrixXd scaledRigid = root.asDiagonal() * rigid;
+  const Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal(), scaledRigid = root.asDiagonal() * rigid;
   const Eigen::MatrixXd Q = orthonormalBasis(scaledRigid);
-  A += 2 * A.trace() * Q * Q.transpose();  // rigid motions go to the other end of the spectrum
-  const SymmetricEigen eigen(A);
-  const Eigen::Index elastic = A.rows() - rigid.cols();
-  Eigen::Index count = 0;
-  while (count < elastic && eigen.values[count] < softest) ++count;
-  Eigen::VectorXd mu = eigen.values.cwiseMax(0.0);
-  mu.tail(rigid.cols()).setZero();
-  return {mu.cwiseSqrt().asDiagonal() * eigen.vectors.transpose() * root.asDiagonal(),
-          inverse.asDiagonal() * eigen.vectors.leftCols(count)};
+  const EigenBelow soft(A + 2 * A.trace() * Q * Q.transpose(), softest);
+  return {rootOf(A, Q) * root.asDiagonal(), inverse.asDiagonal() * soft.vectors};
 }
 
 }  // namespace Haptos

@@ -11,8 +11,8 @@ bool isSlender(const Coordinates& coordinates);
 
 /// \brief A slender subdomain's S in a form that keeps the digits of soft motions, and those motions.
 ///
-/// From S w = mu diag(S) w: S = L^T L with L = mu^1/2 W^T diag(S), rigid motions exactly without energy.  The energy of
-/// a soft motion w is |L w|^2 to its last digits, where w^T S w has lost eps / mu.
+/// S = L^T L, rigid motions exactly without energy, L from Cholesky's factor.  The energy of a soft motion w, S w = mu diag(S) w, is
+/// |L w|^2 to its last digits, where w^T S w has lost eps / mu.
 struct SoftSpectrum {
   Eigen::MatrixXd L;      ///< [n x n]
   /// Eigenvectors with mu < `softest`, orthogonal to the rigid motions in diag(S): bending and stretching, [n x m].  What

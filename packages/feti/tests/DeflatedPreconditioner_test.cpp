@@ -66,6 +66,21 @@ TEUCHOS_UNIT_TEST(SoftModes, TellPlatesFromBlocksAndKeepTheEnergy) {
   }
 }
 
+// Where round-off has made soft energies negative there is a root of S all the same: what they had is nothing to it.
+TEUCHOS_UNIT_TEST(SoftModes, KeepTheEnergyOfWhatIsNotDefinite) {
+  const Eigen::Index n = 40;
+  const Dense Q = squareQ(Dense::NullaryExpr(n, n, [](Eigen::Index i, Eigen::Index j) { return std::sin(1.0 + 1.7 * double(i * i) + 2.3 * double(j) * double(i % 7 + 1)); }));
+  Eigen::VectorXd mu = Eigen::VectorXd::LinSpaced(n, 1, 2);
+  mu.head(6).setZero();
+  mu[6] = -1e-12;
+  mu[7] = 1e-6;
+  const Dense S = Q * mu.asDiagonal() * Q.transpose(), R = Q.leftCols(6);
+  const SoftSpectrum soft = softSpectrum(S, R, 0.05);
+  TEST_COMPARE(largest(soft.L.transpose() * soft.L - S), <=, 1e-11);
+  TEST_COMPARE(largest(soft.L * R), <=, 1e-12);
+  TEST_EQUALITY(soft.modes.cols(), 2);
+}
+
 // Between contact rows by the difference, where nothing is slender.  In high bodies most motions have nothing on contact rows.
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
   TEST_ASSERT(Setup(0.02).deflated->contactBlock().M.is_null());
