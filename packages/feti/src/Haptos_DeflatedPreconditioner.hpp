@@ -28,7 +28,7 @@ class DeflatedPreconditioner final : public Operator {
   /// Unknowns of a subdomain's boundary up to which its spectral modes are had for as much as some tens of iterations, and up to which its
   /// dense matrices are made at all (decisions/042).
   static constexpr int kUsualSpectrum = 1000, kLargestSpectrum = 5000;
-  /// And of slender ones, of which all eigenvectors are made: 3 s at 2000 unknowns (decisions/016).
+  /// And of slender ones, of which an eigenproblem of all rows is solved: 2 s at 2000 unknowns (decisions/016, 042).
   static constexpr int kLargestSlender = 2000;
   static constexpr long kMostRigid = 2000;  ///< columns that are rigid motions, for spectral modes to come beside them
 
