@@ -78,7 +78,7 @@ void DualPreconditioner::collect(MultiVector& t, MultiVector& y) const {
 
 // A vector at a time stays in a processor's own memory; on several ranks each would cost its messages.
 void DualPreconditioner::average(MultiVector& t) const {
-  const std::size_t all = t.getNumVectors(), width = getRangeMap()->getComm()->getSize() == 1 ? std::min<std::size_t>(all, 1) : all;
+  const std::size_t all = t.getNumVectors(), width = getRangeMap()->getComm()->getSize() == 1 ? 1 : all;
   MultiVector jumps(getRangeMap(), width, false), apart(t.getMap(), width, false);
   for (std::size_t first = 0; first < all; first += width) {
     const auto part = t.subViewNonConst(Teuchos::Range1D(Teuchos::Ordinal(first), Teuchos::Ordinal(first + width) - 1));

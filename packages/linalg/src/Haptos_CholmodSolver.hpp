@@ -41,7 +41,6 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   CholmodSolver(const CholmodSolver&) = delete;
   CholmodSolver& operator=(const CholmodSolver&) = delete;
 
-  /// \brief Lets A go after `numericFactorization`; only solves are possible then.
   double flops() const { return flops_; }    ///< of the numeric factorisation
   bool isSingle() const { return isSuper_ && single_; }
   bool isSupernodal() const { return isSuper_; }
@@ -50,6 +49,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
     if (single_) inSingle_.subtractGram(B, S);
     else inDouble_.subtractGram(B, S);
   }
+  /// \brief Lets A go after `numericFactorization`; only solves are possible then.
   void releaseMatrix() {
     this->matrixA_ = Teuchos::null;
     starts_ = {};

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_SparseBlocks.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 // Also where Trilinos brings an adapter of its own: single precision, solves and analyses that stay are ours alone.
@@ -143,7 +144,6 @@ void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen:
 
 // Half a solve where L is supernodal. Where it is not, or another's, whole ones: so many columns at once as fill a processor's memory.
 void LocalSolverFactor::subtractGram(const Eigen::SparseMatrix<double>& B, Eigen::MatrixXd& S) const {
-  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   constexpr Eigen::Index kColumns = 64;
   TEUCHOS_ASSERT(B.rows() == rows() && S.rows() == B.cols() && S.cols() == B.cols());
 #ifdef HAPTOS_HAVE_CHOLMOD
@@ -158,8 +158,7 @@ void LocalSolverFactor::subtractGram(const Eigen::SparseMatrix<double>& B, Eigen
     const Eigen::MatrixXd force = B.middleCols(first, width);
     Eigen::MatrixXd motion(force.rows(), width);
     solve(force, motion);
-    const ByRows beside = motion, product = B.transpose() * beside;  // an entry of B is met once for all columns
-    S.middleCols(first, width) -= product;
+    S.middleCols(first, width) -= timesColumns(B.transpose(), motion);
   }
   S.triangularView<Eigen::StrictlyUpper>() = S.transpose();
 }

@@ -18,4 +18,14 @@ Eigen::SparseMatrix<double> withFewAdded(const Eigen::SparseMatrix<double>& K, c
 /// \brief A(rows, :)
 Eigen::MatrixXd rowsOf(const Eigen::Ref<const Eigen::MatrixXd>& A, const std::vector<int>& rows);
 
+/// \brief A X, X dense with its columns beside each other, so that an entry of A is met once for all of them: by columns the products of SurfaceSchur took as
+/// long as its solves.
+template <class Sparse>
+Eigen::MatrixXd timesColumns(const Sparse& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  if (X.cols() == 1) return A * X.col(0);
+  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  const ByRows x = X, product = A * x;
+  return product;
+}
+
 }  // namespace Haptos

@@ -77,21 +77,32 @@ typename SupernodalFactor<Scalar>::Matrix SupernodalFactor<Scalar>::triangleOf(c
   return T;
 }
 
-// Supernode by supernode, n its columns and b the rows below: x_n := T^-1 x_n, x_b := x_b - R x_n.  BLAS wants T whole.
+// X := T^-1 X, [the supernode's columns x m].  BLAS wants T whole.
+template <class Scalar>
+void SupernodalFactor<Scalar>::solveTriangle(const Supernode& node, Scalar* X, int leading, int m) const {
+  const Matrix T = triangleOf(node);
+  Teuchos::BLAS<int, Scalar>().TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, node.columns, m, 1, T.data(),
+                                    node.columns, X, leading);
+}
+
+// below := R X, [rows below x m]
+template <class Scalar>
+void SupernodalFactor<Scalar>::multiplyRectangle(const Supernode& node, const Scalar* X, int leading, int m, Scalar* below, int leadingBelow) const {
+  Teuchos::BLAS<int, Scalar>().GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, node.rowsBelow, m, node.columns, 1, entries_.data() + node.rectangle,
+                                    node.storedRows, X, leading, 0, below, leadingBelow);
+}
+
+// Supernode by supernode, n its columns and b the rows below: x_n := T^-1 x_n, x_b := x_b - R x_n.
 template <class Scalar>
 void SupernodalFactor<Scalar>::forward(Matrix& X) const {
   TEUCHOS_ASSERT(X.rows() == rows() + kPadding);
   if (X.cols() == 1) return forwardOne({nodes_, entries_.data(), rowsBelow_.data()}, X.data(), workspace().data());
-  const Teuchos::BLAS<int, Scalar> blas;
   const int n = int(X.rows()), m = int(X.cols());
   Matrix below(largest_, m);
   for (const Supernode& node : nodes_) {
-    const Matrix T = triangleOf(node);
-    blas.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, node.columns, m, 1, T.data(),
-              node.columns, X.data() + node.first, n);
+    solveTriangle(node, X.data() + node.first, n, m);
     if (node.rowsBelow == 0) continue;
-    blas.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, node.rowsBelow, m, node.columns, 1, entries_.data() + node.rectangle,
-              node.storedRows, X.data() + node.first, n, 0, below.data(), largest_);
+    multiplyRectangle(node, X.data() + node.first, n, m, below.data(), largest_);
     const int* rows = rowsBelow_.data() + node.rows;
     for (int j = 0; j < m; ++j)
       for (int i = 0; i < node.rowsBelow; ++i) X(rows[i], j) -= below(i, j);

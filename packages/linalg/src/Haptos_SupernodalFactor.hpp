@@ -61,6 +61,8 @@ class SupernodalFactor {
   std::vector<Scalar> workspace() const { return std::vector<Scalar>(std::size_t(largest_) + 1); }
   Matrix triangleOf(const Supernode& node) const;
   void append(const Supernode& node, const double* block);
+  void solveTriangle(const Supernode& node, Scalar* X, int leading, int m) const;
+  void multiplyRectangle(const Supernode& node, const Scalar* X, int leading, int m, Scalar* below, int leadingBelow) const;
   class Gram;
 
   std::vector<int> perm_;

@@ -53,7 +53,8 @@ class SupernodalFactor<Scalar>::Gram {
     for (std::size_t k = 0; k < fronts_.size(); ++k) {
       if (fronts_[k].columns.empty()) continue;
       open(k);
-      solve(k);
+      Matrix& Y = fronts_[k].Y;
+      L_.solveTriangle(L_.nodes_[k], Y.data(), int(Y.rows()), int(Y.cols()));
       multiply(fronts_[k], S);
       passOn(k);
       fronts_[k] = {};
@@ -103,17 +104,10 @@ class SupernodalFactor<Scalar>::Gram {
     }
   }
 
-  void solve(std::size_t k) {
-    Matrix& Y = fronts_[k].Y;
-    const Matrix T = L_.triangleOf(L_.nodes_[k]);
-    const int n = int(Y.rows());
-    blas_.TRSM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, Teuchos::NO_TRANS, Teuchos::NON_UNIT_DIAG, n, int(Y.cols()), 1, T.data(), n, Y.data(), n);
-  }
-
   void multiply(const Front& front, Eigen::MatrixXd& S) {
     const int n = int(front.Y.rows()), m = int(front.Y.cols());
     if (Eigen::Index(product_.size()) < Eigen::Index(m) * m) product_.resize(std::size_t(m) * std::size_t(m));
-    blas_.SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, m, n, 1, front.Y.data(), n, 0, product_.data(), m);
+    Teuchos::BLAS<int, Scalar>().SYRK(Teuchos::LOWER_TRI, Teuchos::TRANS, m, n, 1, front.Y.data(), n, 0, product_.data(), m);
     const double back = unit_ / L_.scale_ * (unit_ / L_.scale_);
     for (int j = 0; j < m; ++j) {
       double* to = S.data() + std::ptrdiff_t(front.columns[std::size_t(j)]) * S.outerStride();
@@ -127,11 +121,10 @@ class SupernodalFactor<Scalar>::Gram {
     const Supernode& node = L_.nodes_[k];
     if (node.rowsBelow == 0) return;
     const Front& front = fronts_[k];
-    const int n = node.columns, m = int(front.Y.cols());
+    const int m = int(front.Y.cols());
     const int* rows = L_.rowsBelow_.data() + node.rows;
     Matrix below(node.rowsBelow, m);
-    blas_.GEMM(Teuchos::NO_TRANS, Teuchos::NO_TRANS, node.rowsBelow, m, n, 1, L_.entries_.data() + node.rectangle, node.storedRows, front.Y.data(), n, 0,
-               below.data(), node.rowsBelow);
+    L_.multiplyRectangle(node, front.Y.data(), node.columns, m, below.data(), node.rowsBelow);
     for (int i = 0, end = 0; i < node.rowsBelow; i = end) {
       const int ancestor = owner_[std::size_t(rows[i])];
       while (end < node.rowsBelow && owner_[std::size_t(rows[end])] == ancestor) ++end;
@@ -145,7 +138,6 @@ class SupernodalFactor<Scalar>::Gram {
   }
 
   const SupernodalFactor& L_;
-  const Teuchos::BLAS<int, Scalar> blas_;
   std::vector<Front> fronts_;  // [supernodes]
   std::vector<int> owner_;     // [rows of L] supernode
   std::vector<Scalar> product_;

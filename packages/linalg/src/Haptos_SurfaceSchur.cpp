@@ -16,15 +16,6 @@ namespace {
 
 constexpr Eigen::Index blockWidth = 64;  // columns at a time: products of matrices, and a workspace with a bound
 
-/// A X with the columns beside each other, so that an entry of A is met once for all of them: by columns the products took as long as the solves.
-template <class Sparse>
-Eigen::MatrixXd timesColumns(const Sparse& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
-  if (X.cols() == 1) return A * X.col(0);
-  using ByRows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  const ByRows x = X, product = A * x;
-  return product;
-}
-
 /// Whether unknowns come in threes, those of a node in a row.
 bool areWholeNodes(const std::vector<int>& unknowns) {
   if (unknowns.size() % 3 != 0) return false;

@@ -41,10 +41,10 @@ class SurfaceSchur {
   /// Y := S X, both nb x m, by one solve with K_ii.  X and Y must not overlap.
   void apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const;
 
-  /// S(c, c), exactly symmetric; costs a solve with K_ii for each of `c`, positions in the boundary list, in blocks.
+  /// S(c, c), exactly symmetric, `c` positions in the boundary list; costs half a solve with K_ii for each of them, a whole one without a supernodal factor.
   Eigen::MatrixXd block(const std::vector<int>& c) const;
 
-  /// S itself, nb x nb, exactly symmetric; costs nb solves with K_ii, done in blocks.
+  /// S itself, nb x nb, exactly symmetric: the block of all.
   Eigen::MatrixXd dense() const;
 
   /// \brief Of the factor of K_ii; bytes: of one `apply`.
