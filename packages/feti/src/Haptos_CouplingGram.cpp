@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_CouplingGram.hpp"
 
-#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -242,10 +241,10 @@ void CouplingGram::holdFactors(const std::vector<int>& holders) {
   std::sort(held.nodes.begin(), held.nodes.end());
   held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
   factorHeld(held);
-  Ends ends = endsOfRows(holders, held);
-  rowTransfer_ = makeTransfer(ends);
+  HolderTransfer::Ends ends = endsOfRows(holders, held);
+  rowTransfer_ = HolderTransfer(ends, multipliers_.map()->getComm());
   addNodes(holders, held, ends);
-  transfer_ = makeTransfer(ends);
+  transfer_ = HolderTransfer(ends, multipliers_.map()->getComm());
 }
 
 // Where a pair is turned, x_d = sum over rows axes[a][d] x_a.
@@ -287,8 +286,8 @@ void CouplingGram::factorHeld(const Held& held) {
 }
 
 // Rows of held couplings here, and where their factors are.
-CouplingGram::Ends CouplingGram::endsOfRows(const std::vector<int>& holders, const Held& held) const {
-  Ends ends{{}, {}, held.rows};
+HolderTransfer::Ends CouplingGram::endsOfRows(const std::vector<int>& holders, const Held& held) const {
+  HolderTransfer::Ends ends{{}, {}, held.rows};
   for (std::size_t i = 0; i < holders.size(); ++i)
     for (int row : multipliers_.couplings()[i].rows) {
       if (holders[i] < 0 || row < 0) continue;
@@ -299,7 +298,7 @@ CouplingGram::Ends CouplingGram::endsOfRows(const std::vector<int>& holders, con
 }
 
 // Three numbers a node, behind those of all rows.
-void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, Ends& ends) const {
+void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, HolderTransfer::Ends& ends) const {
   const auto numRows = GlobalOrdinal(multipliers_.map()->getGlobalNumElements());
   std::vector<std::int64_t> wanted;  // nodes of this rank's large groups
   for (std::size_t i = 0; i < holders.size(); ++i) {
@@ -319,50 +318,6 @@ void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, E
   }
   for (const auto node : held.nodes)
     for (int d = 0; d < 3; ++d) ends.to.push_back(numRows + 3 * node + d);
-}
-
-CouplingGram::Transfer CouplingGram::makeTransfer(const Ends& ends) const {
-  const auto comm = multipliers_.map()->getComm();
-  const auto from = mapOf(ends.from, comm), to = mapOf(ends.to, comm);
-  std::vector<int> held;
-  if (comm->getSize() == 1)
-    for (const GlobalOrdinal value : ends.to) held.push_back(ends.mine[std::size_t(from->getLocalElement(value))]);
-  return {ends.mine, held, from, to, Teuchos::rcp(new Tpetra::Import<>(from, to)), Teuchos::rcp(new Tpetra::Import<>(to, from))};
-}
-
-// Values of this rank to the holders, in the order in which they keep them.
-Eigen::MatrixXd CouplingGram::Transfer::gather(const Eigen::MatrixXd& own) const {
-  if (from->getComm()->getSize() == 1) return own(held, Eigen::all);
-  MultiVector source(from, std::size_t(own.cols()), false), target(to, std::size_t(own.cols()));
-  for (Eigen::Index j = 0; j < own.cols(); ++j) {
-    const auto data = source.getDataNonConst(std::size_t(j));
-    for (std::size_t i = 0; i < mine.size(); ++i) data[Teuchos_Ordinal(i)] = own(mine[i], j);
-  }
-  target.doImport(source, *there, Tpetra::INSERT);
-  Eigen::MatrixXd values(Eigen::Index(target.getLocalLength()), own.cols());
-  for (Eigen::Index j = 0; j < own.cols(); ++j) {
-    const auto data = target.getData(std::size_t(j));
-    std::copy(data.begin(), data.end(), values.col(j).data());
-  }
-  return values;
-}
-
-// And back: a value may have gone to one holder only, so nothing is added.
-void CouplingGram::Transfer::scatter(const Eigen::MatrixXd& values, Eigen::MatrixXd& own) const {
-  if (from->getComm()->getSize() == 1) {
-    own(held, Eigen::all) = values;
-    return;
-  }
-  MultiVector source(to, std::size_t(own.cols()), false), target(from, std::size_t(own.cols()));
-  for (Eigen::Index j = 0; j < own.cols(); ++j) {
-    const auto data = source.getDataNonConst(std::size_t(j));
-    std::copy(values.col(j).data(), values.col(j).data() + values.rows(), data.begin());
-  }
-  target.doImport(source, *back, Tpetra::INSERT);
-  for (Eigen::Index j = 0; j < own.cols(); ++j) {
-    const auto data = target.getData(std::size_t(j));
-    for (std::size_t i = 0; i < mine.size(); ++i) own(mine[i], j) = data[Teuchos_Ordinal(i)];
-  }
 }
 
 // As `addDiagonals`.

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_ComponentLdl.hpp"
+#include "Haptos_HolderTransfer.hpp"
 #include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
@@ -42,22 +43,8 @@ class CouplingGram {
 
  private:
   using Matrix = Eigen::SparseMatrix<double>;
-  // Values that go to the ranks that hold factors, and back.
-  struct Transfer {
-    std::vector<int> mine;  // of rows, then rows().size() + those of nodes
-    std::vector<int> held;  // on one rank: where its values are here, in the order in which it keeps them
-    RCP<const Map> from, to;
-    RCP<const Tpetra::Import<>> there, back;
-
-    Eigen::MatrixXd gather(const Eigen::MatrixXd& own) const;
-    void scatter(const Eigen::MatrixXd& held, Eigen::MatrixXd& own) const;
-  };
   struct Group;   // rows that meet
   struct Held;    // couplings at the rank that has their factor
-  struct Ends {   // of a transfer: global numbers here and at the holders
-    std::vector<int> mine;
-    std::vector<GlobalOrdinal> from, to;
-  };
 
   void findRowsAndNodes();
   std::vector<Group> findLocalGroups() const;
@@ -66,9 +53,8 @@ class CouplingGram {
   std::vector<int> findHolders(const std::vector<Group>& groups) const;
   void holdFactors(const std::vector<int>& holders);
   void factorHeld(const Held& held);
-  Ends endsOfRows(const std::vector<int>& holders, const Held& held) const;
-  void addNodes(const std::vector<int>& holders, const Held& held, Ends& ends) const;
-  Transfer makeTransfer(const Ends& ends) const;
+  HolderTransfer::Ends endsOfRows(const std::vector<int>& holders, const Held& held) const;
+  void addNodes(const std::vector<int>& holders, const Held& held, HolderTransfer::Ends& ends) const;
   void setHeldDiagonals();
   double weightOf(const PairNode& node) const { return 1.0 / (stiffnessScaling_ ? node.stiffness : double(node.copies)); }
   int positionOfRow(int row) const;
@@ -79,7 +65,7 @@ class CouplingGram {
   std::vector<int> rows_, nodes_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> inverse_, C_;  // of the groups that are inverted
   bool isAnyHeld_ = false;                                    // on any rank
-  Transfer rowTransfer_, transfer_;
+  HolderTransfer rowTransfer_, transfer_;
   Matrix turn_, heldC_;  // [unknowns x held rows], [unknowns x 3 held nodes]
   Eigen::VectorXd heldDiagonal_;
   ComponentLdl factor_;
