@@ -112,6 +112,14 @@ Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& k
 /// \brief A x by BLAS, A symmetric, its lower triangle read: half of what a product reads, where Eigen's own takes four times as long.
 Eigen::VectorXd symmetricTimes(const Eigen::MatrixXd& A, const Eigen::VectorXd& x);
 
+/// \brief y := y + alpha A x, y := y + alpha A^T x.  Eigen's own products with vectors have SSE2 in a build for any x86-64.
+void addProduct(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y);
+void addTransposedProduct(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::VectorXd>& x,
+                          Eigen::Ref<Eigen::VectorXd> y);
+/// \brief A X, A^T X, where X may have one column.
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& X);
+Eigen::MatrixXd transposedProduct(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& X);
+
 /// \brief The shortest x of least |A x - b|, by a complete orthogonal decomposition.
 /// \param threshold pivots below this part of the largest are zero; 0: round-off
 Eigen::VectorXd solveLeastSquares(const Eigen::MatrixXd& A, const Eigen::VectorXd& b, double threshold = 0);

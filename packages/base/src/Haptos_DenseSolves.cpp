@@ -24,6 +24,40 @@ Eigen::VectorXd symmetricTimes(const Eigen::MatrixXd& A, const Eigen::VectorXd& 
   return y;
 }
 
+namespace {
+
+// y += alpha op(A) x; a BLAS complains of empty matrices.
+void addGemv(Teuchos::ETransp op, double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::VectorXd>& x,
+             Eigen::Ref<Eigen::VectorXd>& y) {
+  if (A.size() == 0) return;
+  Teuchos::BLAS<int, double>().GEMV(op, int(A.rows()), int(A.cols()), alpha, A.data(), int(A.outerStride()), x.data(), 1, 1.0, y.data(), 1);
+}
+
+}  // namespace
+
+void addProduct(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::VectorXd>& x, Eigen::Ref<Eigen::VectorXd> y) {
+  addGemv(Teuchos::NO_TRANS, alpha, A, x, y);
+}
+
+void addTransposedProduct(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::VectorXd>& x,
+                          Eigen::Ref<Eigen::VectorXd> y) {
+  addGemv(Teuchos::TRANS, alpha, A, x, y);
+}
+
+Eigen::MatrixXd product(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  if (X.cols() != 1) return A * X;
+  Eigen::MatrixXd y = Eigen::MatrixXd::Zero(A.rows(), 1);
+  addProduct(1, A, X.col(0), y.col(0));
+  return y;
+}
+
+Eigen::MatrixXd transposedProduct(const Eigen::Ref<const Eigen::MatrixXd>& A, const Eigen::Ref<const Eigen::MatrixXd>& X) {
+  if (X.cols() != 1) return A.transpose() * X;
+  Eigen::MatrixXd y = Eigen::MatrixXd::Zero(A.cols(), 1);
+  addTransposedProduct(1, A, X.col(0), y.col(0));
+  return y;
+}
+
 // A P = Q R: the columns of A that pivoting finds independent, and Q.
 PivotedQr::PivotedQr(const Eigen::MatrixXd& A) : Q(A.rows(), 0) {
   if (A.size() == 0) return;  // the decomposition looks for a largest column

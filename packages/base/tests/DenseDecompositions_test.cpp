@@ -88,6 +88,25 @@ TEUCHOS_UNIT_TEST(SymmetricTimes, ReadsTheLowerTriangle) {
   TEST_EQUALITY(symmetricTimes(Dense(0, 0), Values(0)).size(), 0);
 }
 
+// Of blocks of larger matrices, of one column and of several, and of matrices without rows or columns.
+TEUCHOS_UNIT_TEST(Product, IsThatOfAnyShape) {
+  const Dense whole = numbers(40, 30, 0.4), X = numbers(40, 5, 1.3);
+  for (const Eigen::Index rows : {0, 1, 25})
+    for (const Eigen::Index columns : {0, 1, 20}) {
+      const auto A = whole.block(3, 2, rows, columns);
+      for (const Eigen::Index width : {0, 1, 5}) {
+        const Dense right = X.topLeftCorner(columns, width), left = X.topLeftCorner(rows, width);
+        TEST_COMPARE((product(A, right) - Dense(A) * right).norm(), <=, 1e-13);
+        TEST_COMPARE((transposedProduct(A, left) - Dense(A).transpose() * left).norm(), <=, 1e-13);
+      }
+      Values y = numbers(rows, 1, 0.7), z = numbers(columns, 1, 0.9);
+      const Values x = numbers(columns, 1, 0.2), w = numbers(rows, 1, 0.3), wantedY = y - 2 * A * x, wantedZ = z + 3 * A.transpose() * w;
+      addProduct(-2, A, x, y);
+      addTransposedProduct(3, A, w, z);
+      TEST_COMPARE((y - wantedY).norm() + (z - wantedZ).norm(), <=, 1e-13);
+    }
+}
+
 TEUCHOS_UNIT_TEST(PivotedCholesky, LeavesDependentRowsOut) {
   const Eigen::Index n = 40, rank = 25;
   const Dense X = numbers(n, rank, 0.1), A = X * X.transpose(), b = A * numbers(n, 2, 0.9);

@@ -22,6 +22,7 @@ class CompactRows {
 
   /// \brief The rank's own kept rows, ascending.
   const std::vector<int>& rows() const { return rows_; }
+  Eigen::Index size() const { return size_; }  ///< of the compact vector
   /// \brief t := V B^T x; x [rows()], t [size].  Collective: one Import.
   Eigen::VectorXd spread(const Eigen::VectorXd& x) const;
   /// \brief y := B V t; t [size], y [rows()].  Collective: one Export.

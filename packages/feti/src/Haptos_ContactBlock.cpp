@@ -134,16 +134,22 @@ DenseSymmetric ContactBlock::denseBlock(int congruenceClass) const {
           preconditioner_->surface().isDouble(congruenceClass) ? DenseSymmetric::Precision::Double : DenseSymmetric::Precision::Single};
 }
 
-// t := S_cc t class by class, the members of a class side by side: one product for all of them.
-void ContactBlock::applyLocal(Eigen::VectorXd& t) const {
+// T := S_cc T class by class, the members of a class and all columns side by side: one product for all of them that are not zero.
+void ContactBlock::applyLocal(Eigen::MatrixXd& T) const {
   for (std::size_t c = 0; c < unknowns_.size(); ++c) {
-    if (active_[c].empty()) continue;
-    Eigen::Map<Eigen::MatrixXd> part(t.data() + first_[c], Eigen::Index(unknowns_[c].size()), Eigen::Index(active_[c].size()));
-    const Eigen::MatrixXd x = part;
-    Eigen::MatrixXd y(x.rows(), x.cols());
+    const Eigen::Index n = Eigen::Index(unknowns_[c].size());
+    std::vector<double*> filled;
+    for (Eigen::Index v = 0; v < T.cols(); ++v)
+      for (std::size_t k = 0; k < active_[c].size(); ++k) {
+        double* part = &T(first_[c] + Eigen::Index(k) * n, v);
+        if (std::any_of(part, part + n, [](double value) { return value != 0; })) filled.push_back(part);
+      }
+    if (filled.empty()) continue;
+    Eigen::MatrixXd x(n, Eigen::Index(filled.size())), y(n, Eigen::Index(filled.size()));
+    for (std::size_t j = 0; j < filled.size(); ++j) std::copy_n(filled[j], n, x.col(Eigen::Index(j)).data());
     if (dense_[c].size() > 0) dense_[c].apply(x, y);
     else preconditioner_->surface().apply(int(c), x, y);
-    part = y;
+    for (std::size_t j = 0; j < filled.size(); ++j) std::copy_n(y.col(Eigen::Index(j)).data(), n, filled[j]);
   }
 }
 
@@ -155,15 +161,13 @@ double ContactBlock::entriesRead() const {
 }
 
 // M_cc x = B_D S B_D^T x, both ends on contact rows: the inverse of their Gram matrix, B^T to the unknowns of contact nodes, S
-// between those, and back.  Solves with the Gram matrix take all columns at a time.
+// between those, and back.
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
   const Eigen::MatrixXd forces = pairs().solve(extended(matrixOf(x), contact_, pairs().rows().size()));
-  Eigen::MatrixXd jumps(Eigen::Index(nearPairs_.size()), forces.cols());
-  for (Eigen::Index v = 0; v < forces.cols(); ++v) {
-    Eigen::VectorXd t = near_->spread(restricted(forces.col(v), nearPairs_));
-    applyLocal(t);
-    jumps.col(v) = near_->collect(t);
-  }
+  Eigen::MatrixXd jumps(Eigen::Index(nearPairs_.size()), forces.cols()), T(near_->size(), forces.cols());
+  for (Eigen::Index v = 0; v < forces.cols(); ++v) T.col(v) = near_->spread(restricted(forces.col(v), nearPairs_));
+  applyLocal(T);
+  for (Eigen::Index v = 0; v < forces.cols(); ++v) jumps.col(v) = near_->collect(T.col(v));
   const Eigen::MatrixXd result = pairs().solve(extended(jumps, nearPairs_, pairs().rows().size()));
   for (Eigen::Index v = 0; v < forces.cols(); ++v) update(y.getDataNonConst(std::size_t(v)), beta, alpha, restricted(result.col(v), contact_));
 }

@@ -50,7 +50,7 @@ class ContactBlock final : public Operator {
   void findUnknowns(const std::vector<char>& isNear);
   const CouplingGram& pairs() const { return preconditioner_->gram().pairs(); }
   DenseSymmetric denseBlock(int congruenceClass) const;
-  void applyLocal(Eigen::VectorXd& t) const;
+  void applyLocal(Eigen::MatrixXd& T) const;
 
   RCP<const DualPreconditioner> preconditioner_;
   std::unique_ptr<const CompactRows> near_;   // contact rows, and tied ones that S couples with them

@@ -343,20 +343,22 @@ Eigen::MatrixXd CouplingGram::solve(const Eigen::MatrixXd& X) const {
 }
 
 // One gather for x and z: y = S^-1 (x + C z), and C^T y goes back with it.
-void CouplingGram::solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const {
-  Eigen::MatrixXd own(x.size() + z.size(), 1);
+void CouplingGram::solve(Eigen::MatrixXd& x, Eigen::MatrixXd& z) const {
+  Eigen::MatrixXd own(x.rows() + z.rows(), x.cols());
   own << x, z;
   x = inverse_ * (x + C_ * z);
   z = C_.transpose() * x;
   if (!isAnyHeld_) return;
-  const Eigen::VectorXd values = transfer_.gather(own);
-  const Eigen::VectorXd y = factor_.solve(turn_ * values.head(turn_.cols()) + heldC_ * values.tail(heldC_.cols()));
-  Eigen::MatrixXd held(values.size(), 1);
+  const Eigen::MatrixXd values = transfer_.gather(own);
+  const Eigen::MatrixXd y = factor_.solve(turn_ * values.topRows(turn_.cols()) + heldC_ * values.bottomRows(heldC_.cols()));
+  Eigen::MatrixXd held(values.rows(), values.cols());
   held << turn_.transpose() * y, heldC_.transpose() * y;
   own << x, z;
   transfer_.scatter(held, own);
-  x = own.col(0).head(x.size());
-  z = own.col(0).tail(z.size());
+  x = own.topRows(x.rows());
+  z = own.bottomRows(z.rows());
 }
+
+bool CouplingGram::isWhereSolved(bool mine) const { return isAnyHeld_ ? anyOfAll(*multipliers_.map()->getComm(), mine) : mine; }
 
 }  // namespace Haptos

@@ -28,8 +28,10 @@ class CouplingGram {
 
   /// \brief S^-1 X, [rows() x any].  Collective where rows meet across ranks.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& X) const;
-  /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows()], z [3 nodes()].  Collective where rows meet across ranks.
-  void solve(Eigen::VectorXd& x, Eigen::VectorXd& z) const;
+  /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows() x any], z [3 nodes() x any].  Collective where rows meet across ranks.
+  void solve(Eigen::MatrixXd& x, Eigen::MatrixXd& z) const;
+  /// \brief Whether it is so on any rank, if `solve` is Collective, else here.  Collective then.
+  bool isWhereSolved(bool mine) const;
 
   /// \name Diagonals of S^-1 and of C^T S^-1 C with one over S's diagonal for S^-1: the same on any number of ranks.
   /// @{

@@ -12,6 +12,7 @@
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_NeighbourStiffness.hpp"
+#include "Haptos_PanelJumps.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "Haptos_SurfaceOperators.hpp"
@@ -20,7 +21,7 @@
 namespace Haptos {
 namespace {
 
-constexpr int kColumnsOfZ = 32;        // columns of Z that are made at a time
+constexpr int kColumnsOfZ = RowPanel::kColumns;  // that are made at a time
 constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
@@ -31,15 +32,17 @@ Eigen::Map<Eigen::MatrixXd, 0, Eigen::OuterStride<>> columnsOf(MultiVector& t) {
   return {data.getRawPtr(), Eigen::Index(t.getLocalLength()), Eigen::Index(t.getNumVectors()), Eigen::OuterStride<>(Eigen::Index(t.getStride()))};
 }
 
-// A X, most of whose rows may be zero: motions of neighbours
-Eigen::MatrixXd timesSparse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& X) {
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index i = 0; i < X.rows(); ++i)
-    if (!X.row(i).isZero(0)) rows.push_back(i);
-  if (2 * Eigen::Index(rows.size()) > X.rows()) return A * X;
-  Eigen::MatrixXd columns(A.rows(), Eigen::Index(rows.size())), values(Eigen::Index(rows.size()), X.cols());
-  for (std::size_t k = 0; k < rows.size(); ++k) columns.col(Eigen::Index(k)) = A.col(rows[k]), values.row(Eigen::Index(k)) = X.row(rows[k]);
-  return columns * values;
+// A(:, rows) X: motions of neighbours are on few rows
+Eigen::MatrixXd timesRows(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& rows, const Eigen::MatrixXd& X) {
+  if (Eigen::Index(rows.size()) == A.cols()) return A * X;
+  return A(Eigen::all, rows) * X;
+}
+
+// [columns of the panel], of this rank's rows
+Eigen::VectorXd squaresOf(const RowPanel& t) {
+  Eigen::VectorXd sums = Eigen::VectorXd::Zero(RowPanel::kColumns);
+  for (const int row : t.filled()) sums += Eigen::Map<const Eigen::VectorXd>(t[std::size_t(row)], RowPanel::kColumns).cwiseAbs2();
+  return sums;
 }
 
 void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
@@ -63,11 +66,21 @@ class DeflatedContactBlock final : public Operator {
     const auto values = x.get1dView();
     const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> X(values.getRawPtr(), W_.rows(), Eigen::Index(x.getNumVectors()),
                                                                       Eigen::OuterStride<>(Eigen::Index(x.getStride())));
-    const auto g = sumOfAll(*getRangeMap()->getComm(), Eigen::MatrixXd(W_.transpose() * X));
-    columnsOf(y).noalias() -= W_ * (alpha * g);
+    const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
+    if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), columnsOf(y).col(0));
+    else columnsOf(y).noalias() -= W_ * (alpha * g);
   }
 
  private:
+  // W^T X, of unit vectors by few rows
+  Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < X.rows() && X.cols() > 1; ++i)
+      if (!X.row(i).isZero(0)) rows.push_back(i);
+    if (X.cols() == 1 || 2 * Eigen::Index(rows.size()) > X.rows()) return transposedProduct(W_, X);
+    return Eigen::MatrixXd(W_(rows, Eigen::all)).transpose() * X(rows, Eigen::all);
+  }
+
   ContactBlock block_;
   Eigen::MatrixXd W_;  // [owned contact rows x any]
 };
@@ -203,44 +216,36 @@ void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
 void DeflatedPreconditioner::toHalf(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     const Eigen::MatrixXd& L = L_[std::size_t(c)];
-    if (L.size() > 0) x = timesSparse(L, x);
+    if (L.size() > 0) x = product(L, x);
   });
 }
 
 // t := H^T t
 void DeflatedPreconditioner::fromHalf(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
-    if (L_[std::size_t(c)].size() > 0) x = (L_[std::size_t(c)].transpose() * x).eval();
+    if (L_[std::size_t(c)].size() > 0) x = transposedProduct(L_[std::size_t(c)], x);
   });
 }
 
-// t := C t: t where a subdomain is slender, S t where it is not, by its dense matrix as long as that is there
+// t := C t: t where a subdomain is slender, S t where it is not
 void DeflatedPreconditioner::applyRest(MultiVector& t) const {
   onSubdomains(t, [&](int c, Eigen::MatrixXd& x) {
     if (L_[std::size_t(c)].size() > 0) return;
-    const Eigen::MatrixXd &S = S_[std::size_t(c)], given = x;
-    if (S.size() > 0) x = timesSparse(S, given);
-    else base_->surface().apply(c, given, x);
+    const Eigen::MatrixXd given = x;
+    base_->surface().apply(c, given, x);
   });
 }
 
-// which: local subdomain, motion
-void DeflatedPreconditioner::setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const {
-  const int c = base_->systems()[which[0]].congruenceClass;
-  const auto& dofs = base_->surface().boundary(c);
-  const std::size_t offset = base_->jump().primalOffsets()[std::size_t(which[0])];
-  const auto data = t.getDataNonConst(column);
-  for (std::size_t k = 0; k < dofs.size(); ++k) data[offset + std::size_t(dofs[k])] = motions_[std::size_t(which[0])](Eigen::Index(k), which[1]);
-}
-
 // Averages that are round-off would be scaled to motions like others, which have jumps.
-void DeflatedPreconditioner::averageMotions(MultiVector& t) const {
-  Teuchos::Array<double> before(t.getNumVectors()), after(t.getNumVectors());
-  t.norm2(before());
-  base_->average(t);
-  t.norm2(after());
-  for (std::size_t j = 0; j < t.getNumVectors(); ++j)
-    if (after[Teuchos_Ordinal(j)] <= kCancelled * before[Teuchos_Ordinal(j)]) t.getVectorNonConst(j)->putScalar(0.0);
+void DeflatedPreconditioner::averageMotions(PanelJumps& jumps, RowPanel& t) const {
+  Eigen::MatrixXd squares(kColumnsOfZ, 2);
+  squares.col(0) = squaresOf(t);
+  jumps.average(t);
+  squares.col(1) = squaresOf(t);
+  const Eigen::MatrixXd all = sumOfAll(*getRangeMap()->getComm(), squares);
+  for (Eigen::Index j = 0; j < kColumnsOfZ; ++j)
+    if (all(j, 1) <= kCancelled * kCancelled * all(j, 0))
+      for (const int row : t.filled()) t.fill(std::size_t(row))[j] = 0;
 }
 
 std::vector<std::vector<Eigen::Index>> DeflatedPreconditioner::boundaryUnknowns() const {
@@ -262,12 +267,51 @@ void DeflatedPreconditioner::shareSlender(const SubdomainColumns& half, Subdomai
     if (isHalved(i)) rest.share(i, half);
 }
 
-// Appends H t and C H t, which are the same where a subdomain is slender; t is changed.
-void DeflatedPreconditioner::makeHalves(MultiVector& t, SubdomainColumns& half, SubdomainColumns& rest) const {
-  toHalf(t);
-  half.append(columnsOf(t));
-  applyRest(t);
-  rest.append(columnsOf(t));
+// What is filled of a panel, subdomain by subdomain
+std::vector<SubdomainColumns::Piece> DeflatedPreconditioner::piecesOf(const PanelJumps& jumps, const RowPanel& t, int width) const {
+  std::vector<int> filled = t.filled();
+  std::sort(filled.begin(), filled.end());
+  std::vector<SubdomainColumns::Piece> pieces;
+  for (std::size_t i = 0, next = 0; i < motions_.size(); ++i) {
+    const std::size_t begin = next;
+    while (next < filled.size() && std::size_t(filled[next]) < jumps.first(i + 1)) ++next;
+    SubdomainColumns::Piece piece{i, {}, {}, {}};
+    const auto isFilled = [&](Eigen::Index v) { return std::any_of(&filled[begin], &filled[begin] + (next - begin), [&](int row) { return t[std::size_t(row)][v] != 0; }); };
+    for (Eigen::Index v = 0; v < width && next > begin; ++v)
+      if (isFilled(v)) piece.columns.push_back(v);
+    if (piece.columns.empty()) continue;
+    for (std::size_t k = begin; k < next; ++k) piece.rows.push_back(Eigen::Index(std::size_t(filled[k]) - jumps.first(i)));
+    piece.values.resize(Eigen::Index(piece.rows.size()), Eigen::Index(piece.columns.size()));
+    for (std::size_t k = begin; k < next; ++k)
+      for (std::size_t v = 0; v < piece.columns.size(); ++v) piece.values(Eigen::Index(k - begin), Eigen::Index(v)) = t[std::size_t(filled[k])][piece.columns[v]];
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
+}
+
+// Appends H t and C H t, which are the same where a subdomain is slender.
+void DeflatedPreconditioner::appendHalves(int width, std::vector<SubdomainColumns::Piece> pieces, SubdomainColumns& half, SubdomainColumns& rest) const {
+  const auto onAll = [&](SubdomainColumns::Piece& piece, Eigen::MatrixXd values) {
+    piece.values = std::move(values);
+    piece.rows.resize(std::size_t(piece.values.rows()));
+    std::iota(piece.rows.begin(), piece.rows.end(), 0);
+  };
+  const auto classOf = [&](const SubdomainColumns::Piece& piece) { return base_->systems()[int(piece.subdomain)].congruenceClass; };
+  for (auto& piece : pieces)
+    if (isHalved(piece.subdomain)) onAll(piece, timesRows(L_[std::size_t(classOf(piece))], piece.rows, piece.values));
+  half.append(width, pieces);
+  for (auto& piece : pieces)
+    if (!isHalved(piece.subdomain)) onAll(piece, timesS(classOf(piece), piece));
+  rest.append(width, pieces);
+}
+
+// S t by its dense matrix as long as that is there
+Eigen::MatrixXd DeflatedPreconditioner::timesS(int congruenceClass, const SubdomainColumns::Piece& t) const {
+  if (const Eigen::MatrixXd& S = S_[std::size_t(congruenceClass)]; S.size() > 0) return timesRows(S, t.rows, t.values);
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(base_->surface().boundary(congruenceClass).size()), t.values.cols()), y(x.rows(), x.cols());
+  x(t.rows, Eigen::all) = t.values;
+  base_->surface().apply(congruenceClass, x, y);
+  return y;
 }
 
 // H Z and C H Z, `kColumnsOfZ` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
@@ -278,17 +322,18 @@ void DeflatedPreconditioner::assemble() {
     for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   shareSlender(HZ_, CHZ_);
-  RCP<MultiVector> t;  // the same memory as long as it may be: other pages cost as much as what is done to them
+  PanelJumps jumps(*base_);
+  RowPanel t(jumps.size());
   for (int first = 0; first < all; first += kColumnsOfZ) {
-    const int width = std::min(kColumnsOfZ, all - first);
-    if (t.is_null() || int(t->getNumVectors()) != width) t = Teuchos::rcp(new MultiVector(base_->jump().getDomainMap(), width));
-    else t->putScalar(0.0);
-    for (int j = 0; j < width; ++j) {
-      const int own = first + j - before;
-      if (own >= 0 && own < mine) setMotion(columns[std::size_t(own)], *t, std::size_t(j));
+    t.clear();
+    for (int own = std::max(first - before, 0); own < std::min(first + kColumnsOfZ - before, mine); ++own) {
+      const auto& [i, m] = columns[std::size_t(own)];
+      const auto motion = motions_[std::size_t(i)].col(m);
+      for (Eigen::Index k = 0; k < motion.size(); ++k) t.fill(jumps.first(std::size_t(i)) + std::size_t(k))[own + before - first] = motion[k];
     }
-    averageMotions(*t);
-    makeHalves(*t, HZ_, CHZ_);
+    averageMotions(jumps, t);
+    const int width = std::min(kColumnsOfZ, all - first);
+    appendHalves(width, piecesOf(jumps, t, width), HZ_, CHZ_);
   }
   const auto K = sumOfAll(comm, HZ_.gram(CHZ_));
   factor(0.5 * (K + K.transpose()));
@@ -297,15 +342,13 @@ void DeflatedPreconditioner::assemble() {
 // Y = B_D S Z on the rows given
 Eigen::MatrixXd DeflatedPreconditioner::rowsOfBCZ(const std::vector<int>& rows) const {
   Eigen::MatrixXd Y(Eigen::Index(rows.size()), CHZ_.cols());
+  PanelJumps jumps(*base_);
+  RowPanel t(jumps.size());
   for (Eigen::Index first = 0; first < CHZ_.cols(); first += kColumnsOfZ) {
     const Eigen::Index width = std::min<Eigen::Index>(kColumnsOfZ, CHZ_.cols() - first);
-    MultiVector t(base_->jump().getDomainMap(), std::size_t(width)), y(getRangeMap(), std::size_t(width));
-    CHZ_.copyTo(first, columnsOf(t));
-    base_->collect(t, y);
-    for (Eigen::Index j = 0; j < width; ++j) {
-      const auto data = y.getData(std::size_t(j));
-      for (std::size_t i = 0; i < rows.size(); ++i) Y(Eigen::Index(i), first + j) = data[rows[i]];
-    }
+    t.clear();
+    CHZ_.copyTo(first, width, t);
+    jumps.collect(t, rows, Y.middleCols(first, width));
   }
   return Y;
 }
@@ -363,15 +406,16 @@ Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) co
   const int mine = int(rows.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   SubdomainColumns X(boundaryUnknowns()), CX(boundaryUnknowns());
   shareSlender(X, CX);
+  PanelJumps jumps(*base_);
+  RowPanel t(jumps.size());
   for (int first = 0; first < all; first += kColumnsOfZ) {
+    std::vector<std::array<int, 2>> units;
+    for (int own = std::max(first - before, 0); own < std::min(first + kColumnsOfZ - before, mine); ++own)
+      if (rows[std::size_t(own)] >= 0) units.push_back({rows[std::size_t(own)], own + before - first});
+    t.clear();
+    jumps.spread(units, t);
     const int width = std::min(kColumnsOfZ, all - first);
-    MultiVector x(getDomainMap(), std::size_t(width)), t(base_->jump().getDomainMap(), std::size_t(width));
-    for (int j = 0; j < width; ++j) {
-      const int own = first + j - before;
-      if (own >= 0 && own < mine && rows[std::size_t(own)] >= 0) x.getDataNonConst(std::size_t(j))[rows[std::size_t(own)]] = 1;
-    }
-    base_->spread(x, t);
-    makeHalves(t, X, CX);
+    appendHalves(width, piecesOf(jumps, t, width), X, CX);
   }
   const Eigen::MatrixXd a = solve(sumOfAll(comm, CHZ_.gram(X)));
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(all, all);

@@ -12,6 +12,8 @@
 
 namespace Haptos {
 
+class PanelJumps;
+
 /// \brief M_Z = B_D Pi^T S Pi B_D^T, Pi = I - Z K^+ Z^T S, K = Z^T S Z: the Dirichlet preconditioner for slender subdomains and hard elements.
 ///
 /// M x is the force of the displacement B_D^T x, whose jump is x; M_Z x that of B_D^T x + Z a, a such that the energy is
@@ -83,10 +85,9 @@ class DeflatedPreconditioner final : public Operator {
   Eigen::MatrixXd denseOf(int congruenceClass) const;
   std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const;
   bool takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted);
-  void setMotion(std::array<int, 2> which, MultiVector& t, std::size_t column) const;
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
-  void averageMotions(MultiVector& t) const;
+  void averageMotions(PanelJumps& jumps, RowPanel& t) const;
   void applyRest(MultiVector& t) const;
   template <class Local>
   void onSubdomains(MultiVector& t, Local&& local) const;
@@ -95,7 +96,9 @@ class DeflatedPreconditioner final : public Operator {
   Eigen::MatrixXd rootOfDeflation(const Eigen::MatrixXd& Y) const;
   void factor(const Eigen::MatrixXd& K);
   void project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const;
-  void makeHalves(MultiVector& t, SubdomainColumns& half, SubdomainColumns& rest) const;
+  std::vector<SubdomainColumns::Piece> piecesOf(const PanelJumps& jumps, const RowPanel& t, int width) const;
+  void appendHalves(int width, std::vector<SubdomainColumns::Piece> pieces, SubdomainColumns& half, SubdomainColumns& rest) const;
+  Eigen::MatrixXd timesS(int congruenceClass, const SubdomainColumns::Piece& t) const;
   std::vector<std::vector<Eigen::Index>> boundaryUnknowns() const;
   void shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const;
   bool isHalved(std::size_t subdomain) const;

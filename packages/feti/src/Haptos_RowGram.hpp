@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "Haptos_CouplingGram.hpp"
+#include "Haptos_RowPanel.hpp"
 
 namespace Haptos {
 
@@ -23,6 +24,8 @@ class RowGram {
 
   /// \brief y := (B W B^T)^-1 x; may be done in place.  Collective where rows of pairs meet across ranks, else nothing communicates.
   void apply(const MultiVector& x, MultiVector& y) const;
+  /// \brief y := (B W B^T)^-1 y on the owned rows, which come first in y: node by node where y is filled, and all pairs if any is.
+  void apply(RowPanel& y) const;
   /// \brief The same for one vector of the owned rows.
   Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
 
@@ -42,13 +45,23 @@ class RowGram {
   };
 
   const double* edge(const Block& block) const { return G_.data() + block.at + std::size_t(block.copies - 1) * std::size_t(block.copies - 1); }
-  void collectMeans(const double* x, Eigen::VectorXd& z) const;
+  // Vectors side by side, `Width` of them: one, or a panel.
+  template <int Width>
+  void collectMeans(const double* x, Eigen::MatrixXd& z) const;
+  template <int Width>
   void applyGluing(const Block& block, const double* x, double* y) const;
-  void addMean(const Block& block, const Eigen::VectorXd& g, const double* gluing, const double* x, double* y) const;
+  template <int Width>
+  void addMean(const Block& block, const Eigen::MatrixXd& g, const double* gluing, const double* x, double* y) const;
+  template <int Width>
+  void applyNode(const Block& block, const Eigen::MatrixXd& g, std::vector<double>& gluing, const double* x, double* y) const;
   void applyTo(const double* x, double* y) const;
+  void applyPairs(RowPanel& y) const;
+  template <class Visit>
+  static void forEachRow(const Block& block, Visit&& visit);
 
   CouplingGram pairs_;
   std::vector<Block> blocks_;
+  std::vector<int> blockOf_;  // [owned rows] position in blocks_; -1: of a pair
   std::vector<double> G_;
   std::size_t mostCopies_ = 1;
   Eigen::Index numRows_;

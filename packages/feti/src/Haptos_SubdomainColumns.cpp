@@ -6,6 +6,8 @@
 #include <iterator>
 #include <utility>
 
+#include "Haptos_DenseDecompositions.hpp"
+
 namespace Haptos {
 namespace {
 
@@ -23,10 +25,10 @@ Eigen::MatrixXd rowsOf(const Matrix& X, const Indices& rows) {
 }
 
 // left^T X(rows, :), rows being those of `left`
-template <class Left, class Matrix>
-Eigen::MatrixXd productOnRows(const Left& left, const Indices& rows, const Matrix& X) {
-  if (Eigen::Index(rows.size()) == X.rows()) return left.transpose() * X;
-  return left.transpose() * rowsOf(X, rows);
+template <class Left>
+Eigen::MatrixXd productOnRows(const Left& left, const Indices& rows, const Eigen::MatrixXd& X) {
+  if (Eigen::Index(rows.size()) == X.rows()) return transposedProduct(left, X);
+  return transposedProduct(left, rowsOf(X, rows));
 }
 
 // X(rows, columns) := X(rows, columns) + factor part
@@ -66,25 +68,35 @@ SubdomainColumns::SubdomainColumns(std::vector<std::vector<Eigen::Index>> unknow
   isShared_.resize(parts_.size(), 0);
 }
 
-void SubdomainColumns::append(const ConstValues& t) {
-  for (Eigen::Index j = 0; j < t.cols(); ++j, ++cols_) {
-    const double negligible = t.rows() == 0 ? 0.0 : kNegligible * t.col(j).cwiseAbs().maxCoeff();
-    for (std::size_t i = 0; i < parts_.size(); ++i)
-      if (!isShared_[i]) appendColumn(i, rowsOf(t.col(j), unknowns_[i]), negligible);
-  }
+void SubdomainColumns::append(Eigen::Index width, const std::vector<Piece>& pieces) {
+  Eigen::VectorXd negligible = Eigen::VectorXd::Zero(width);
+  for (const Piece& piece : pieces)
+    for (std::size_t j = 0; j < piece.columns.size() && piece.values.rows() > 0; ++j) {
+      double& largest = negligible[piece.columns[j]];
+      largest = std::max(largest, kNegligible * piece.values.col(Eigen::Index(j)).cwiseAbs().maxCoeff());
+    }
+  for (const Piece& piece : pieces)
+    for (std::size_t j = 0; j < piece.columns.size() && !isShared_[piece.subdomain]; ++j) appendColumn(piece, Eigen::Index(j), negligible[piece.columns[j]]);
+  cols_ += width;
 }
 
 // The column that comes next, to the last block if that is good for both. Columns that decay end in round-off somewhere, each elsewhere.
-void SubdomainColumns::appendColumn(std::size_t subdomain, const Eigen::VectorXd& x, double negligible) {
-  Indices rows;
+void SubdomainColumns::appendColumn(const Piece& piece, Eigen::Index j, double negligible) {
+  const auto x = piece.values.col(j);
+  Indices rows, places;
   for (Eigen::Index i = 0; i < x.size(); ++i)
-    if (std::abs(x[i]) > negligible) rows.push_back(i);
+    if (std::abs(x[i]) > negligible) rows.push_back(piece.rows[std::size_t(i)]), places.push_back(i);
   if (rows.empty()) return;
-  Part& part = *parts_[subdomain];
-  if (part.empty() || !part.back().take(rows)) part.push_back({std::move(rows), {}, {}});
+  Part& part = *parts_[piece.subdomain];
+  if (part.empty() || !part.back().take(rows)) part.push_back({rows, {}, {}});
   Block& block = part.back();
-  block.columns.push_back(cols_);
-  for (Eigen::Index row : block.rows) block.values.push_back(x[row]);
+  block.columns.push_back(cols_ + piece.columns[std::size_t(j)]);
+  block.values.resize(block.values.size() + block.rows.size(), 0.0);
+  double* const column = block.values.data() + block.values.size() - block.rows.size();
+  for (std::size_t i = 0, k = 0; i < rows.size(); ++i, ++k) {
+    while (block.rows[k] != rows[i]) ++k;
+    column[k] = x[places[i]];
+  }
 }
 
 // Whether a column with these rows may come to it, which then has them: if few zeros come with it.
@@ -104,14 +116,14 @@ bool SubdomainColumns::Block::take(const Indices& more) {
   return true;
 }
 
-void SubdomainColumns::copyTo(Eigen::Index first, Values t) const {
-  t.setZero();
-  for (std::size_t i = 0; i < parts_.size(); ++i)
+void SubdomainColumns::copyTo(Eigen::Index first, Eigen::Index width, RowPanel& t) const {
+  std::size_t begin = 0;  // of the subdomain's unknowns
+  for (std::size_t i = 0; i < parts_.size(); begin += unknowns_[i].size(), ++i)
     for (const Block& block : *parts_[i]) {
-      const auto begin = block.columns.begin();
-      for (auto c = std::lower_bound(begin, block.columns.end(), first); c != block.columns.end() && *c < first + t.cols(); ++c)
+      const auto columns = block.columns.begin();
+      for (auto c = std::lower_bound(columns, block.columns.end(), first); c != block.columns.end() && *c < first + width; ++c)
         for (std::size_t k = 0; k < block.rows.size(); ++k)
-          t(unknowns_[i][std::size_t(block.rows[k])], *c - first) = block.matrix()(Eigen::Index(k), c - begin);
+          t.fill(begin + std::size_t(block.rows[k]))[*c - first] = block.matrix()(Eigen::Index(k), c - columns);
     }
 }
 
@@ -129,7 +141,7 @@ void SubdomainColumns::subtractProduct(const Eigen::MatrixXd& a, Values t) const
   const Indices all = upTo(t.cols());
   for (std::size_t i = 0; i < parts_.size(); ++i) {
     Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[i].size()), t.cols());
-    for (const Block& block : *parts_[i]) addTo(x, block.rows, all, 1.0, block.matrix() * rowsOf(a, block.columns));
+    for (const Block& block : *parts_[i]) addTo(x, block.rows, all, 1.0, product(block.matrix(), rowsOf(a, block.columns)));
     addTo(t, unknowns_[i], all, -1.0, x);
   }
 }

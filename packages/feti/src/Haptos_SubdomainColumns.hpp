@@ -4,6 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "Haptos_RowPanel.hpp"
+
 namespace Haptos {
 
 /// \brief A matrix A [local primal unknowns x n] whose columns are motions or forces of a few subdomains each, on their boundaries: dense
@@ -20,15 +22,22 @@ class SubdomainColumns {
   explicit SubdomainColumns(std::vector<std::vector<Eigen::Index>> unknowns);
   SubdomainColumns(const SubdomainColumns&) = delete;
 
-  /// \brief Appends the columns of t, which are 0 off the boundaries.
-  void append(const ConstValues& t);
+  /// \brief What some columns are on one local subdomain.
+  struct Piece {
+    std::size_t subdomain;
+    std::vector<Eigen::Index> rows;     ///< among its unknowns, ascending
+    std::vector<Eigen::Index> columns;  ///< of those that are appended, ascending
+    Eigen::MatrixXd values;             ///< [rows x columns]
+  };
+  /// \brief Appends `width` columns, which are 0 but in these pieces, one a subdomain.
+  void append(Eigen::Index width, const std::vector<Piece>& pieces);
   /// \brief On a local subdomain this matrix is the other one, now and later: what is appended to it there is not looked at.
   void share(std::size_t subdomain, const SubdomainColumns& other) { parts_[subdomain] = other.parts_[subdomain], isShared_[subdomain] = 1; }
 
   Eigen::Index cols() const { return cols_; }
   std::size_t numBlocks(std::size_t subdomain) const { return parts_[subdomain]->size(); }  ///< that products take one after the other
-  /// \brief t := A(:, first + 0, 1, ...)
-  void copyTo(Eigen::Index first, Values t) const;
+  /// \brief t := A(:, first + 0, 1, ...), `width` of them; t is empty before, and has the subdomains' unknowns one after another.
+  void copyTo(Eigen::Index first, Eigen::Index width, RowPanel& t) const;
   /// \brief A^T t [n x columns of t]
   Eigen::MatrixXd transposedTimes(const ConstValues& t) const;
   /// \brief t := t - A a, a [n x columns of t]
@@ -49,7 +58,7 @@ class SubdomainColumns {
   };
   using Part = std::vector<Block>;
 
-  void appendColumn(std::size_t subdomain, const Eigen::VectorXd& x, double negligible);
+  void appendColumn(const Piece& piece, Eigen::Index j, double negligible);
 
   std::vector<std::vector<Eigen::Index>> unknowns_;
   std::vector<std::shared_ptr<Part>> parts_;  // [local subdomains]

@@ -5,10 +5,12 @@
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <numeric>
 #include <set>
 
 #include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
+#include "Haptos_PanelJumps.hpp"
 #include "Haptos_RowGram.hpp"
 #include "Haptos_SparseLdl.hpp"
 
@@ -64,6 +66,66 @@ Scene chainScene() {
   return scene;
 }
 
+// A panel of this rank's boundary unknowns as vectors, and back
+RCP<MultiVector> vectorsOf(const DualPreconditioner& M, const PanelJumps& jumps, const RowPanel& t) {
+  auto x = Teuchos::rcp(new MultiVector(M.jump().getDomainMap(), RowPanel::kColumns));
+  for (std::size_t i = 0; i + 1 < M.jump().primalOffsets().size(); ++i) {
+    const auto& boundary = M.surface().boundary(M.systems()[int(i)].congruenceClass);
+    for (std::size_t v = 0; v < std::size_t(RowPanel::kColumns); ++v) {
+      const auto data = x->getDataNonConst(v);
+      for (std::size_t k = 0; k < boundary.size(); ++k) data[M.jump().primalOffsets()[i] + std::size_t(boundary[k])] = t[jumps.first(i) + k][v];
+    }
+  }
+  return x;
+}
+
+double largestDifference(const MultiVector& x, const MultiVector& y) {
+  MultiVector difference(x, Teuchos::Copy);
+  difference.update(-1.0, y, 1.0);
+  Teuchos::Array<double> norms(x.getNumVectors());
+  difference.normInf(norms());
+  return *std::max_element(norms.begin(), norms.end());
+}
+
+// Of panels that are filled in one subdomain a column, or in one row, all ranks together: what M does to whole vectors.
+void comparePanels(const DualPreconditioner& M, Teuchos::FancyOStream& out, bool& success) {
+  PanelJumps jumps(M);
+  RowPanel t(jumps.size());
+  const auto fill = [&] {
+    t.clear();
+    for (std::size_t i = 0; i + 1 < M.jump().primalOffsets().size(); ++i)
+      for (std::size_t k = jumps.first(i); k < jumps.first(i + 1); ++k)
+        t.fill(k)[(M.jump().firstSubdomain() + int(i)) % RowPanel::kColumns] = std::sin(1.0 + 2.3 * double(k));
+  };
+  for (int round = 0; round < 2; ++round) {  // nothing stays from the first
+    fill();
+    const auto averaged = vectorsOf(M, jumps, t);
+    M.average(*averaged);
+    jumps.average(t);
+    TEST_COMPARE(largestDifference(*vectorsOf(M, jumps, t), *averaged), <=, 1e-12);
+  }
+  fill();
+  MultiVector whole(M.getRangeMap(), RowPanel::kColumns);
+  M.collect(*vectorsOf(M, jumps, t), whole);
+  std::vector<int> rows(localNumElements(*M.getRangeMap()));
+  std::iota(rows.begin(), rows.end(), 0);
+  Dense y(Eigen::Index(rows.size()), RowPanel::kColumns);
+  jumps.collect(t, rows, y);
+  for (Eigen::Index v = 0; v < y.cols(); ++v)
+    for (Eigen::Index i = 0; i < y.rows(); ++i) TEST_COMPARE(std::abs(y(i, v) - whole.getData(std::size_t(v))[i]), <=, 1e-12);
+  MultiVector unit(M.getRangeMap(), RowPanel::kColumns), spread(M.jump().getDomainMap(), RowPanel::kColumns);
+  std::vector<std::array<int, 2>> units;  // all over the rows: gluing, Dirichlet and those of pairs
+  const auto number = int(localNumElements(*M.getRangeMap()));
+  for (int v = 0; v < RowPanel::kColumns && number > 0; ++v) {
+    units.push_back({int(std::int64_t(v) * (number - 1) / (RowPanel::kColumns - 1)), v});
+    unit.getDataNonConst(std::size_t(v))[units.back()[0]] = 1;
+  }
+  M.spread(unit, spread);
+  t.clear();
+  jumps.spread(units, t);
+  TEST_COMPARE(largestDifference(*vectorsOf(M, jumps, t), spread), <=, 1e-12);
+}
+
 // What holds for B W B^T, M, its contact rows and its contact block.
 void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& success) {
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
@@ -94,6 +156,7 @@ void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& succ
   TEST_ASSERT(largest(between) > 1e-3 * largest(reference));
   TEST_ASSERT(largest(denseOf(*block) - between) < kRoundOff * largest(reference));
   TEST_ASSERT(largest(denseOf(ContactRows(M, block)) - rows) < kRoundOff * largest(reference));
+  comparePanels(*M, out, success);
   const Eigen::VectorXd diagonal = gathered(*M->diagonal());
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
     if (!scene.rows.pinned[std::size_t(i)]) TEST_ASSERT(diagonal[i] > 0.05 * reference(i, i) && diagonal[i] < 20 * reference(i, i));

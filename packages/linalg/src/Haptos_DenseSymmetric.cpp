@@ -45,6 +45,17 @@ void multiplyFull(const Scalar* A, int n, int m, const Scalar* X, int ldX, Scala
     blas.GEMV(Teuchos::NO_TRANS, n, n, Scalar(1), A, n, X + std::ptrdiff_t(j) * ldX, 1, Scalar(0), Y + std::ptrdiff_t(j) * ldY, 1);
 }
 
+// Y [n x m] := A X by both triangles of a packed A: many columns are worth the copy.
+template <class Scalar>
+void multiplyUnpacked(const std::vector<Scalar>& A, int n, int m, const Scalar* X, int ldX, Scalar* Y, int ldY) {
+  std::vector<Scalar> full(std::size_t(n) * std::size_t(n));  // the lower triangle of it
+  const Scalar* from = A.data();
+  for (std::size_t j = 0; j < std::size_t(n); ++j, from += std::size_t(n) - j + 1) std::copy_n(from, std::size_t(n) - j, full.data() + j * std::size_t(n) + j);
+  Teuchos::BLAS<int, Scalar>().SYMM(Teuchos::LEFT_SIDE, Teuchos::LOWER_TRI, n, m, Scalar(1), full.data(), n, X, ldX, Scalar(0), Y, ldY);
+}
+
+constexpr int kManyColumns = 8;  // of a product with a packed matrix, which are worth its copy
+
 }  // namespace
 
 namespace Lapack {
@@ -109,7 +120,7 @@ DenseSymmetric::DenseSymmetric(const Eigen::MatrixXd& lower, Storage storage, Pr
   singles_ = packed ? pack<float>(lower, 1 / scale_) : unfold<float>(lower, 1 / scale_);
 }
 
-// Full matrices by BLAS 3, packed ones column by column: SPMV reads half of the bytes of GEMV.
+// Full matrices by BLAS 3, packed ones column by column if columns are few: SPMV reads half of the bytes of GEMV.
 void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> Y) const {
   TEUCHOS_ASSERT(X.rows() == n_ && Y.rows() == n_ && X.cols() == Y.cols());
   if (X.size() == 0) return;
@@ -117,6 +128,8 @@ void DenseSymmetric::apply(const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Re
   const int n = int(n_);
   if (storage_ == Storage::Full)
     return multiplyFull(doubles_.data(), n, int(X.cols()), X.data(), int(X.outerStride()), Y.data(), int(Y.outerStride()));
+  if (X.cols() >= kManyColumns)
+    return multiplyUnpacked(doubles_, n, int(X.cols()), X.data(), int(X.outerStride()), Y.data(), int(Y.outerStride()));
   for (Eigen::Index j = 0; j < X.cols(); ++j)
     Blas::spmv(n, doubles_.data(), X.col(j).data(), Y.col(j).data());
 }
@@ -127,6 +140,7 @@ void DenseSymmetric::applySingle(const Eigen::Ref<const Eigen::MatrixXd>& X, Eig
   const double largest = X.cwiseAbs().maxCoeff(), unit = largest > 0 ? largest : 1.0;
   Eigen::MatrixXf x = (X / unit).cast<float>(), y(n_, X.cols());
   if (storage_ == Storage::Full) multiplyFull(singles_.data(), n, m, x.data(), n, y.data(), n);
+  else if (m >= kManyColumns) multiplyUnpacked(singles_, n, m, x.data(), n, y.data(), n);
   else
     for (int j = 0; j < m; ++j) Blas::spmv(n, singles_.data(), x.col(j).data(), y.col(j).data());
   Y = y.cast<double>() * (scale_ * unit);

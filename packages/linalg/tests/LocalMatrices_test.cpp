@@ -44,7 +44,7 @@ TEUCHOS_UNIT_TEST(DenseSymmetric, MultipliesAsTheMatrixInEveryStorage) {
   for (const Eigen::Index n : {1, 3, 17, 64})
     for (const Storage storage : {Storage::Packed, Storage::Full})
       for (const Precision precision : {Precision::Double, Precision::Single})
-        for (const Eigen::Index columns : {1, 5})
+        for (const Eigen::Index columns : {1, 5, 20})
           for (const double unit : {1.0, 1e-60, 1e60}) {
             const MatrixXd A = unit * definite(n, 0.4), X = numbers(n, columns, 2.0);
             MatrixXd Y(n, columns);

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "Haptos_DenseDecompositions.hpp"
+
 namespace Haptos {
 
 /// \brief A tall matrix that grows by columns: a few columns to an allocation, nothing is moved.
@@ -33,13 +35,14 @@ class ColumnBlocks {
 
   /// \brief x += A y, x [rows], y [cols]
   void addProduct(const Eigen::VectorXd& y, Eigen::VectorXd& x) const {
-    for (Eigen::Index first = 0; first < cols_; first += kColumns) x.noalias() += part(first) * y.segment(first, widthAt(first));
+    for (Eigen::Index first = 0; first < cols_; first += kColumns) Haptos::addProduct(1, part(first), y.segment(first, widthAt(first)), x);
   }
 
   /// \brief A^T x [cols], x [rows]
   Eigen::VectorXd transposedTimes(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd y(cols_);
-    for (Eigen::Index first = 0; first < cols_; first += kColumns) y.segment(first, widthAt(first)).noalias() = part(first).transpose() * x;
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(cols_);
+    for (Eigen::Index first = 0; first < cols_; first += kColumns)
+      Haptos::addTransposedProduct(1, part(first), x, y.segment(first, widthAt(first)));
     return y;
   }
 

@@ -85,10 +85,12 @@ void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const Contact
 }
 
 Eigen::VectorXd TwoLevelPreconditioner::apply(const Eigen::VectorXd& r) const {
-  const Eigen::VectorXd z = multiplyBlocks(inverse_, r);
-  Eigen::VectorXd y = Z_.transpose() * coarse_.diagonal().cwiseProduct(z);
+  Eigen::VectorXd z = multiplyBlocks(inverse_, r);
+  Eigen::VectorXd y = Eigen::VectorXd::Zero(Z_.cols());
+  addTransposedProduct(1, Z_, coarse_.diagonal().cwiseProduct(z), y);
   coarse_.vectors().sum(y);
-  return z + step_ * factor_.solve(y);
+  addProduct(1, step_, factor_.solve(y), z);
+  return z;
 }
 
 }  // namespace Haptos

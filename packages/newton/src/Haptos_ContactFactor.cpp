@@ -84,7 +84,7 @@ Eigen::MatrixXd ContactFactor::symmetricRestMatrix() const {
 Eigen::VectorXd ContactFactor::residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const {
   Eigen::VectorXd left = b(rest_);
   if (x.isZero(0)) return left;  // a product is read from memory
-  const Eigen::VectorXd bent = x - kernel_ * (kernel_.transpose() * x), Mx = M_ * bent;
+  const Eigen::VectorXd bent = x - kernel_ * (kernel_.transpose() * x), Mx = symmetricTimes(M_, bent);
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
     for (Eigen::Index k = 0; k < 3; ++k) left[i] -= A(row, k) * Mx[at + k] + B(row, k) * x[at + k];

@@ -77,7 +77,7 @@ double ForceFactor::times(int first, Eigen::Index row, const Eigen::Ref<const Ei
 }
 
 Eigen::VectorXd ForceFactor::solve(const Eigen::VectorXd& b) const {
-  Eigen::VectorXd f = knownForces(b), d = C_ * f;
+  Eigen::VectorXd f = knownForces(b), d = symmetricTimes(C_, f), unknown = Eigen::VectorXd::Zero(b.size());
   const Eigen::Index m = Eigen::Index(unknown_.size()), k = kernel_.cols();
   Eigen::VectorXd rest(m + k);
   for (Eigen::Index i = 0; i < m; ++i) {
@@ -86,7 +86,8 @@ Eigen::VectorXd ForceFactor::solve(const Eigen::VectorXd& b) const {
   }
   rest.tail(k) = -length_ * (kernel_.transpose() * f);
   rest = factor_.solve(rest);
-  for (Eigen::Index i = 0; i < m; ++i) d += rest[i] * C_.col(unknown_[std::size_t(i)]);
+  for (Eigen::Index i = 0; i < m; ++i) unknown[unknown_[std::size_t(i)]] = rest[i];
+  d += symmetricTimes(C_, unknown);
   d += kernel_ * (length_ * rest.tail(k));
   for (Eigen::Index row = 0; row < d.size(); ++row)
     if (!(C_(row, row) > 0)) d[row] = 0;
