@@ -11,6 +11,7 @@
 #include "Haptos_DisjointSets.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SparseBlocks.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -346,8 +347,8 @@ Eigen::MatrixXd CouplingGram::solve(const Eigen::MatrixXd& X) const {
 void CouplingGram::solve(Eigen::MatrixXd& x, Eigen::MatrixXd& z) const {
   Eigen::MatrixXd own(x.rows() + z.rows(), x.cols());
   own << x, z;
-  x = inverse_ * (x + C_ * z);
-  z = C_.transpose() * x;
+  x = timesColumns(inverse_, x + timesColumns(C_, z));
+  z = timesColumns(C_.transpose(), x);
   if (!isAnyHeld_) return;
   const Eigen::MatrixXd values = transfer_.gather(own);
   const Eigen::MatrixXd y = factor_.solve(turn_ * values.topRows(turn_.cols()) + heldC_ * values.bottomRows(heldC_.cols()));

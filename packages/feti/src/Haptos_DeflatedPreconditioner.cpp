@@ -8,7 +8,7 @@
 #include <numeric>
 #include <type_traits>
 
-#include "Haptos_ContactBlock.hpp"
+#include "Haptos_DeflatedContactBlock.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_NeighbourStiffness.hpp"
@@ -38,52 +38,10 @@ Eigen::MatrixXd timesRows(const Eigen::MatrixXd& A, const std::vector<Eigen::Ind
   return A(Eigen::all, rows) * X;
 }
 
-// [columns of the panel], of this rank's rows
-Eigen::VectorXd squaresOf(const RowPanel& t) {
-  Eigen::VectorXd sums = Eigen::VectorXd::Zero(RowPanel::kColumns);
-  for (const int row : t.filled()) sums += Eigen::Map<const Eigen::VectorXd>(t[std::size_t(row)], RowPanel::kColumns).cwiseAbs2();
-  return sums;
-}
-
 void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
   all.conservativeResize(Eigen::NoChange, all.cols() + more.cols());
   all.rightCols(more.cols()) = more;
 }
-
-// M_cc - Y_c K^+ Y_c^T, Y = B_D S Z: Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S.  W W^T = Y_c K^+ Y_c^T lies with its
-// contact rows; g = W^T x is summed over the ranks.
-class DeflatedContactBlock final : public Operator {
- public:
-  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd W) : block_(base), W_(std::move(W)) {}
-
-  RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
-  RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
-  bool hasTransposeApply() const override { return true; }
-  double entriesRead() const { return block_.entriesRead() + 2 * double(W_.size()); }  // of this rank
-
-  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const override {
-    block_.apply(x, y, mode, alpha, beta);
-    const auto values = x.get1dView();
-    const Eigen::Map<const Eigen::MatrixXd, 0, Eigen::OuterStride<>> X(values.getRawPtr(), W_.rows(), Eigen::Index(x.getNumVectors()),
-                                                                      Eigen::OuterStride<>(Eigen::Index(x.getStride())));
-    const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
-    if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), columnsOf(y).col(0));
-    else columnsOf(y).noalias() -= W_ * (alpha * g);
-  }
-
- private:
-  // W^T X, of unit vectors by few rows
-  Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index i = 0; i < X.rows() && X.cols() > 1; ++i)
-      if (!X.row(i).isZero(0)) rows.push_back(i);
-    if (X.cols() == 1 || 2 * Eigen::Index(rows.size()) > X.rows()) return transposedProduct(W_, X);
-    return Eigen::MatrixXd(W_(rows, Eigen::all)).transpose() * X(rows, Eigen::all);
-  }
-
-  ContactBlock block_;
-  Eigen::MatrixXd W_;  // [owned contact rows x any]
-};
 
 }  // namespace
 
@@ -94,6 +52,20 @@ RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const D
   if (!result->findMotions(slender, spectra) || result->numMotions() > kLargest) return {};
   result->assemble();
   result->S_.assign(result->L_.size(), {});
+  return result;
+}
+
+RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<Eigen::MatrixXd>& soft) {
+  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
+  const LocalSystems& systems = base->systems();
+  result->L_.resize(std::size_t(systems.numClasses()));
+  result->S_.resize(result->L_.size());
+  for (int i = 0; i < systems.size(); ++i) {
+    result->motions_.push_back(result->rigidMotions(i));
+    append(soft[std::size_t(systems[i].congruenceClass)], result->motions_.back());
+  }
+  if (result->numMotions() > kLargest) return {};
+  result->assemble();
   return result;
 }
 
@@ -239,9 +211,9 @@ void DeflatedPreconditioner::applyRest(MultiVector& t) const {
 // Averages that are round-off would be scaled to motions like others, which have jumps.
 void DeflatedPreconditioner::averageMotions(PanelJumps& jumps, RowPanel& t) const {
   Eigen::MatrixXd squares(kColumnsOfZ, 2);
-  squares.col(0) = squaresOf(t);
+  squares.col(0) = t.squares();
   jumps.average(t);
-  squares.col(1) = squaresOf(t);
+  squares.col(1) = t.squares();
   const Eigen::MatrixXd all = sumOfAll(*getRangeMap()->getComm(), squares);
   for (Eigen::Index j = 0; j < kColumnsOfZ; ++j)
     if (all(j, 1) <= kCancelled * kCancelled * all(j, 0))
@@ -265,28 +237,6 @@ bool DeflatedPreconditioner::isHalved(std::size_t subdomain) const {
 void DeflatedPreconditioner::shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const {
   for (std::size_t i = 0; i < motions_.size(); ++i)
     if (isHalved(i)) rest.share(i, half);
-}
-
-// What is filled of a panel, subdomain by subdomain
-std::vector<SubdomainColumns::Piece> DeflatedPreconditioner::piecesOf(const PanelJumps& jumps, const RowPanel& t, int width) const {
-  std::vector<int> filled = t.filled();
-  std::sort(filled.begin(), filled.end());
-  std::vector<SubdomainColumns::Piece> pieces;
-  for (std::size_t i = 0, next = 0; i < motions_.size(); ++i) {
-    const std::size_t begin = next;
-    while (next < filled.size() && std::size_t(filled[next]) < jumps.first(i + 1)) ++next;
-    SubdomainColumns::Piece piece{i, {}, {}, {}};
-    const auto isFilled = [&](Eigen::Index v) { return std::any_of(&filled[begin], &filled[begin] + (next - begin), [&](int row) { return t[std::size_t(row)][v] != 0; }); };
-    for (Eigen::Index v = 0; v < width && next > begin; ++v)
-      if (isFilled(v)) piece.columns.push_back(v);
-    if (piece.columns.empty()) continue;
-    for (std::size_t k = begin; k < next; ++k) piece.rows.push_back(Eigen::Index(std::size_t(filled[k]) - jumps.first(i)));
-    piece.values.resize(Eigen::Index(piece.rows.size()), Eigen::Index(piece.columns.size()));
-    for (std::size_t k = begin; k < next; ++k)
-      for (std::size_t v = 0; v < piece.columns.size(); ++v) piece.values(Eigen::Index(k - begin), Eigen::Index(v)) = t[std::size_t(filled[k])][piece.columns[v]];
-    pieces.push_back(std::move(piece));
-  }
-  return pieces;
 }
 
 // Appends H t and C H t, which are the same where a subdomain is slender.
@@ -333,7 +283,7 @@ void DeflatedPreconditioner::assemble() {
     }
     averageMotions(jumps, t);
     const int width = std::min(kColumnsOfZ, all - first);
-    appendHalves(width, piecesOf(jumps, t, width), HZ_, CHZ_);
+    appendHalves(width, jumps.piecesOf(t, width), HZ_, CHZ_);
   }
   const auto K = sumOfAll(comm, HZ_.gram(CHZ_));
   factor(0.5 * (K + K.transpose()));
@@ -415,7 +365,7 @@ Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) co
     t.clear();
     jumps.spread(units, t);
     const int width = std::min(kColumnsOfZ, all - first);
-    appendHalves(width, piecesOf(jumps, t, width), X, CX);
+    appendHalves(width, jumps.piecesOf(t, width), X, CX);
   }
   const Eigen::MatrixXd a = solve(sumOfAll(comm, CHZ_.gram(X)));
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(all, all);

@@ -51,6 +51,11 @@ class DeflatedPreconditioner final : public Operator {
   static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
                                                 const Spectra& spectra);
 
+  /// \brief Of motions that are given, beside the rigid ones; nothing is slender.  Null where there are too many.  Collective.
+  ///
+  /// \param soft [classes] on the boundary, [unknowns x any], independent of rigid motions
+  static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, const std::vector<Eigen::MatrixXd>& soft);
+
   RCP<const Map> getDomainMap() const override { return base_->getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return base_->getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
@@ -96,7 +101,6 @@ class DeflatedPreconditioner final : public Operator {
   Eigen::MatrixXd rootOfDeflation(const Eigen::MatrixXd& Y) const;
   void factor(const Eigen::MatrixXd& K);
   void project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const;
-  std::vector<SubdomainColumns::Piece> piecesOf(const PanelJumps& jumps, const RowPanel& t, int width) const;
   void appendHalves(int width, std::vector<SubdomainColumns::Piece> pieces, SubdomainColumns& half, SubdomainColumns& rest) const;
   Eigen::MatrixXd timesS(int congruenceClass, const SubdomainColumns::Piece& t) const;
   std::vector<std::vector<Eigen::Index>> boundaryUnknowns() const;

@@ -4,6 +4,7 @@
 #include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <algorithm>
 #include <numeric>
 
 #include "Haptos_DualPreconditioner.hpp"
@@ -67,6 +68,27 @@ PanelJumps::PanelJumps(const DualPreconditioner& M)
   if (multipliers.map()->getComm()->getSize() == 1) return;
   own_ = Teuchos::rcp(new MultiVector(multipliers.map(), kColumns, false));
   remote_ = Teuchos::rcp(new MultiVector(multipliers.remote().map(), kColumns, false));
+}
+
+std::vector<SubdomainColumns::Piece> PanelJumps::piecesOf(const RowPanel& t, int width) const {
+  std::vector<int> filled = t.filled();
+  std::sort(filled.begin(), filled.end());
+  std::vector<SubdomainColumns::Piece> pieces;
+  for (auto end = filled.begin(); end != filled.end();) {
+    const auto begin = end;
+    const std::size_t i = std::size_t(std::upper_bound(first_.begin(), first_.end(), std::size_t(*begin)) - first_.begin()) - 1;
+    while (end != filled.end() && std::size_t(*end) < first_[i + 1]) ++end;
+    SubdomainColumns::Piece piece{i, {}, {}, {}};
+    for (auto row = begin; row != end; ++row) piece.rows.push_back(Eigen::Index(std::size_t(*row) - first_[i]));
+    for (Eigen::Index v = 0; v < width; ++v)
+      if (std::any_of(begin, end, [&](int row) { return t[std::size_t(row)][v] != 0; })) piece.columns.push_back(v);
+    if (piece.columns.empty()) continue;
+    piece.values.resize(Eigen::Index(piece.rows.size()), Eigen::Index(piece.columns.size()));
+    for (Eigen::Index k = 0; k < piece.values.rows(); ++k)
+      for (Eigen::Index v = 0; v < piece.values.cols(); ++v) piece.values(k, v) = t[std::size_t(begin[k])][piece.columns[std::size_t(v)]];
+    pieces.push_back(std::move(piece));
+  }
+  return pieces;
 }
 
 // y_ := B t, or B W t, of this rank's unknowns

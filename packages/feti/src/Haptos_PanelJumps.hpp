@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_RowPanel.hpp"
+#include "Haptos_SubdomainColumns.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
@@ -15,13 +16,16 @@ class DualPreconditioner;
 /// `DualPreconditioner` takes all.
 ///
 /// A panel of primal vectors has the boundary unknowns of this rank's subdomains one after another, in the order of `SurfaceOperators::boundary`.
-/// Its columns are the same on all ranks.  All functions are Collective: rows that ranks share are sent, all columns together.
+/// Its columns are the same on all ranks.  What is done to them is Collective: rows that ranks share are sent, all columns together.
 class PanelJumps {
  public:
   explicit PanelJumps(const DualPreconditioner& M);
 
   std::size_t first(std::size_t subdomain) const { return first_[subdomain]; }  ///< of a local subdomain's unknowns; [local subdomains + 1]
   std::size_t size() const { return first_.back(); }
+
+  /// \brief What is filled of the first `width` columns, subdomain by subdomain; nothing communicates.
+  std::vector<SubdomainColumns::Piece> piecesOf(const RowPanel& t, int width) const;
 
   /// \brief t := t - B_D^T B t, as `DualPreconditioner::average`.
   void average(RowPanel& t);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <Eigen/Core>
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -28,6 +29,13 @@ class RowPanel {
     if (!isFilled_[row] && std::any_of(values, values + kColumns, [](double value) { return value != 0; })) fill(row);
   }
   const std::vector<int>& filled() const { return filled_; }  ///< rows, in the order in which they came
+
+  /// \brief Of the columns, [kColumns].
+  Eigen::VectorXd squares() const {
+    Eigen::VectorXd sums = Eigen::VectorXd::Zero(kColumns);
+    for (const int row : filled_) sums += Eigen::Map<const Eigen::VectorXd>((*this)[std::size_t(row)], kColumns).cwiseAbs2();
+    return sums;
+  }
 
   void clear() {
     for (const int row : filled_) std::fill_n(values_.data() + std::size_t(row) * kColumns, kColumns, 0.0), isFilled_[std::size_t(row)] = 0;

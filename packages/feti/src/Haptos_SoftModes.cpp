@@ -2,6 +2,7 @@
 #include "Haptos_SoftModes.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DenseSymmetric.hpp"
@@ -9,8 +10,7 @@
 namespace Haptos {
 
 // By the eigenvalues of sum d d^T, d from the mean: squares of the extents along the principal axes.
-bool isSlender(const Coordinates& coordinates) {
-  constexpr double kRatio = 10;    // extents; ordinary meshes are to pay nothing (decisions/016)
+double aspectOf(const Coordinates& coordinates) {
   Eigen::Vector3d mean = Eigen::Vector3d::Zero();
   for (const auto& x : coordinates) mean += Eigen::Vector3d(x.data());
   mean /= double(coordinates.size());
@@ -20,7 +20,12 @@ bool isSlender(const Coordinates& coordinates) {
     spread += d * d.transpose();
   }
   const Eigen::Vector3d squares = SymmetricEigen3(spread).values;
-  return squares[2] > kRatio * kRatio * squares[0];
+  return squares[0] > 0 ? std::sqrt(squares[2] / squares[0]) : std::numeric_limits<double>::infinity();
+}
+
+bool isSlender(const Coordinates& coordinates) {
+  constexpr double kRatio = 10;  // ordinary meshes are to pay nothing (decisions/016)
+  return aspectOf(coordinates) > kRatio;
 }
 
 namespace {

@@ -6,6 +6,9 @@
 
 namespace Haptos {
 
+/// \brief Ratio of the extents along the principal axes, longest over shortest; infinite where all nodes lie in a plane.
+double aspectOf(const Coordinates& coordinates);
+
 /// \brief Whether a subdomain is a needle or a plate: its nodes spread 10 times as far one way as another.
 bool isSlender(const Coordinates& coordinates);
 

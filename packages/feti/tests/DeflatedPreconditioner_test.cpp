@@ -4,6 +4,8 @@
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
 
+#include "Haptos_LocalSystems.hpp"
+#include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "HeldBeams.hpp"
@@ -179,4 +181,44 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BalancedSymmetricAndNearTheInverse) {
     TEST_COMPARE(deflated[1], >=, 0.99);
     TEST_COMPARE(plain[0], >=, (height < 0.1 ? 30 : height < 0.5 ? 3 : 1) * deflated[0]);  // the plates are a hard case
   }
+}
+
+// Flat subdomains bend as a whole: that is in the polynomials, which are soft, no rigid motions, and do what spectral modes do for far less.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, PolynomialsOfFlatSubdomains) {
+  const Setup t(0.2, {6, 6, 1}, 6);
+  const LocalSystems& systems = *t.feti.systems;
+  std::vector<Dense> motions;
+  for (int c = 0; c < systems.numClasses(); ++c) {
+    const int member = systems.members()[std::size_t(c)].front();
+    const auto& boundary = t.M->surface().boundary(c);
+    const auto K = systems.source().assemble(member);
+    const Dense w = motions.emplace_back(polynomialMotions({systems.source().coordinates(member), K, systems[member].R(), boundary}));
+    TEST_COMPARE(w.cols(), >=, 1);
+    Dense S(w.rows(), w.rows());
+    t.M->surface().apply(c, Dense::Identity(w.rows(), w.rows()), S);
+    const Eigen::VectorXd D = K.diagonal()(boundary);
+    for (Eigen::Index j = 0; j < w.cols(); ++j) {
+      const double scale = w.col(j).dot(D.cwiseProduct(w.col(j)));
+      TEST_COMPARE(w.col(j).dot(S * w.col(j)), <, 0.05 * scale);  // with the interior free it is less still
+      TEST_COMPARE(w.col(j).dot(S * w.col(j)), >, 1e-8 * scale);
+    }
+    TEST_COMPARE(largest(systems[member].R()(boundary, Eigen::all).transpose() * D.asDiagonal() * w), <=, 1e-8 * D.maxCoeff() * largest(w));
+  }
+  const auto polynomial = DeflatedPreconditioner::make(t.M, motions), rigid = DeflatedPreconditioner::make(t.M, std::vector<Dense>(motions.size(), Dense(0, 0)));
+  const auto plain = t.spectrum(denseOf(*t.M)), first = t.spectrum(denseOf(*rigid)), cured = t.spectrum(denseOf(*polynomial));
+  out << "M F up to " << plain[0] << ", by rigid motions " << first[0] << ", by polynomials " << cured[0] << "\n";
+  TEST_COMPARE(2 * cured[0], <=, first[0]);
+  TEST_COMPARE(cured[1], >=, 0.99);
+}
+
+TEUCHOS_UNIT_TEST(PolynomialMotions, AspectsOfBoxesAndPlanes) {
+  Coordinates box, plane;
+  for (int i = 0; i <= 6; ++i)
+    for (int j = 0; j <= 6; ++j)
+      for (int k = 0; k <= 6; ++k) {
+        box.push_back({0.5 * i, 0.1 * k, 0.3 * j});
+        plane.push_back({0.5 * i, 0.0, 0.3 * j});
+      }
+  TEST_FLOATING_EQUALITY(aspectOf(box), 5.0, 1e-10);
+  TEST_COMPARE(aspectOf(plane), >, 1e7);
 }

@@ -11,6 +11,7 @@
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PairLaws.hpp"
+#include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RunClock.hpp"
 #include "Haptos_SoftModes.hpp"
@@ -104,7 +105,8 @@ void FetiSystem::makePreconditioner(SurfaceOperators surface) {
 }
 
 // K once more, each class as long as the preconditioner's part of it is made.
-RCP<const LocalSystems> FetiSystem::assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense) const {
+RCP<const LocalSystems> FetiSystem::assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense,
+                                                  const std::function<void(const LocalSystems&, int)>& use) const {
   const auto systems = Teuchos::rcp(new LocalSystems(stiffness));
   runOnAllRanks(*model_.comm, [&] {
     systems->assemble();
@@ -112,6 +114,7 @@ RCP<const LocalSystems> FetiSystem::assembleAgain(const std::shared_ptr<const Su
     else systems->findClasses();
     for (int c = 0; c < systems->numClasses(); ++c) {
       surface.add(*systems, *touched_);
+      if (use) use(*systems, c);
       systems->releaseStiffness(c);
     }
   });
@@ -167,6 +170,11 @@ void FetiSystem::findSlender() {
   };
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSoft(i));
+  constexpr double kFlat = 3;
+  Eigen::Vector2d flatAndAll(0.0, double(systems_->size()));
+  for (int i = 0; i < systems_->size(); ++i) flatAndAll[0] += aspectOf(model_.stiffness->coordinates(i)) > kFlat;
+  const Eigen::VectorXd all = sumOfAll(*model_.comm, Eigen::VectorXd(flatAndAll));
+  areFlat_ = 2 * all[0] > all[1];
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
@@ -191,6 +199,18 @@ RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedPrecond
   const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra(spectra.largestBoundary));
   const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
   return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_, spectra);
+}
+
+// Of the stiffness that M has.
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflatedByPolynomials() const {
+  if (!mayDeflateByPolynomials()) return {};
+  SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
+  std::vector<Eigen::MatrixXd> motions;
+  const auto systems = assembleAgain(model_.softened ? model_.softened : model_.stiffness, surface, false, [&](const LocalSystems& all, int c) {
+    const int member = all.members()[std::size_t(c)].front();
+    motions.push_back(polynomialMotions({all.source().coordinates(member), all.stiffness(c), all[member].R(), surface.boundary(c)}));
+  });
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), motions);
 }
 
 }  // namespace Haptos

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -63,6 +64,13 @@ class FetiSystem {
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
   RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedPreconditioner::Spectra& spectra) const;
+  /// \brief The preconditioner with rigid motions and soft polynomials of subdomains deflated, several times cheaper; null where there are too many.
+  /// Collective.
+  RCP<const DeflatedPreconditioner> makeDeflatedByPolynomials() const;
+  /// \brief Whether these are likely to help: most subdomains bend as plates do, none is slender.
+  bool mayDeflateByPolynomials() const {
+    return areFlat_ && kind_ == PreconditionerKind::Dirichlet && !needsDeflation() && G_->dimension() <= DeflatedPreconditioner::kMostRigid;
+  }
 
  private:
   static constexpr int kCheapSpectrum = 300;  ///< unknowns of a boundary: from the first step on only where dense S costs little (decisions/042)
@@ -73,7 +81,8 @@ class FetiSystem {
   void findLargestBoundary();
   bool hasSpectra(int largestSpectrum) const;
   void makePreconditioner(SurfaceOperators surface);
-  RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense) const;
+  RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense,
+                                        const std::function<void(const LocalSystems&, int congruenceClass)>& use = {}) const;
 
   SystemModel model_;
   ContactLaw law_;
@@ -91,6 +100,7 @@ class FetiSystem {
   std::optional<PreconditionerKind> kind_;
   std::vector<char> slender_;  ///< [local subdomains]
   bool anySlender_ = false;
+  bool areFlat_ = false;  // most subdomains of all ranks
   int largestBoundary_ = 0;
 };
 

@@ -62,23 +62,20 @@ std::array<double, 2> products(const Vector& r, const Vector& z) {
   return sumOfAll(*r.getMap()->getComm(), mine);
 }
 
-// Looked at now and then: the residual of conjugate gradients goes up and down.
-bool isTooSlow(long k, double residual, double tolerance) {
-  constexpr long kLook = 20, kMany = 60;
-  return k > 0 && k % kLook == 0 && k * std::log(tolerance) < kMany * std::log(residual);
-}
-
-// Motions of large subdomains cost far more than those of others: these alone come first.
-std::vector<int> untriedSpectra(const FetiSystem& system) {
-  using Deflated = DeflatedPreconditioner;
-  if (system.preconditioner().is_null()) return {};
-  if (system.largestBoundary() <= Deflated::kUsualSpectrum) return {Deflated::kUsualSpectrum};
-  return {Deflated::kLargestSpectrum, Deflated::kUsualSpectrum};
-}
+// Whether it takes more than `many` iterations at the rate of so far.  Looked at now and then: the residual of conjugate gradients goes up and down.
+bool takesMore(long many, long k, double residual, double tolerance) { return double(k) * std::log(tolerance) < double(many) * std::log(residual); }
 
 }  // namespace
 
-PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)), spectra_(untriedSpectra(context_.system)) {
+// Polynomials are cheap; spectral motions of large subdomains cost far more than those of others: these alone come first.
+PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
+  using Deflated = DeflatedPreconditioner;
+  const FetiSystem& system = context_.system;
+  if (!system.preconditioner().is_null()) {
+    if (system.largestBoundary() > Deflated::kUsualSpectrum) cures_.push_back({Deflated::kLargestSpectrum});
+    cures_.push_back({Deflated::kUsualSpectrum});
+    if (system.mayDeflateByPolynomials()) cures_.push_back({Cure::kPolynomials});
+  }
   begin(context_.start);
   if (context_.system.needsDeflation()) deflate();
   else use(context_.system.preconditioner());
@@ -96,10 +93,21 @@ void PcpgSolver::use(RCP<const Operator> M) {
                                                              holdsFor(system.unheldMotions(), system.bodies()));
 }
 
+// Polynomials after few iterations; spectral motions, which cost far more, where it takes very many, and sooner where polynomials were no cure.
+bool PcpgSolver::isTooSlow(long k, double residual, double tolerance) const {
+  constexpr long kFirstLook = 8, kMany = 30;
+  const long kLook = deflated_.is_null() ? 20 : 10, kVeryMany = deflated_.is_null() ? 60 : 40;
+  if (cures_.empty()) return false;
+  if (cures_.back().isPolynomials() && k == kFirstLook) return takesMore(kMany, k, residual, tolerance);
+  return k > 0 && k % kLook == 0 && takesMore(kVeryMany, k, residual, tolerance);
+}
+
 void PcpgSolver::deflate() {
-  deflated_ = context_.system.makeDeflated(DeflatedPreconditioner::Spectra{spectra_.back()});
-  spectra_.pop_back();
-  use(deflated_.is_null() ? RCP<const Operator>(context_.system.preconditioner()) : RCP<const Operator>(deflated_));
+  const FetiSystem& system = context_.system;
+  const Cure cure = cures_.back();
+  cures_.pop_back();
+  deflated_ = cure.isPolynomials() ? system.makeDeflatedByPolynomials() : system.makeDeflated(DeflatedPreconditioner::Spectra{cure.largestBoundary});
+  use(deflated_.is_null() ? RCP<const Operator>(system.preconditioner()) : RCP<const Operator>(deflated_));
 }
 
 void PcpgSolver::renew() {
@@ -144,7 +152,7 @@ double PcpgSolver::iterate(double tolerance, long most) {
     const auto [rz, rr] = products(r, z);
     const double residual = std::sqrt(rr) / reference_;
     if (residual <= tolerance) return 0.0;
-    if (k == most || (!spectra_.empty() && isTooSlow(k, residual, tolerance))) return residual;
+    if (k == most || isTooSlow(k, residual, tolerance)) return residual;
     p.update(1.0, z, k == 0 ? 0.0 : rz / before);
     dual.F->apply(p, Fp);
     const double pFp = p.dot(Fp);
@@ -162,7 +170,7 @@ bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
   while (iterate(request.tolerance, left()) > 0) {
-    if (spectra_.empty() || left() < 2) return false;
+    if (cures_.empty() || left() < 2) return false;
     deflate();
   }
   return true;

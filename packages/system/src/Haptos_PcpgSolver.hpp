@@ -30,10 +30,17 @@ class PcpgSolver final : public ContactSolver {
   }
 
  private:
+  /// What M is deflated by where it takes many iterations: polynomials, or spectral motions of subdomains with boundaries up to so many unknowns.
+  struct Cure {
+    static constexpr int kPolynomials = 0;
+    int largestBoundary;
+    bool isPolynomials() const { return largestBoundary == kPolynomials; }
+  };
   void begin(const RCP<const Vector>& start);
   void balance();
   void use(RCP<const Operator> M);
   void deflate();
+  bool isTooSlow(long k, double residual, double tolerance) const;
   double iterate(double tolerance, long most);
   bool converge(const SolveRequest& request);
 
@@ -41,7 +48,7 @@ class PcpgSolver final : public ContactSolver {
   RCP<Vector> lambda_;      ///< G lambda = e
   double reference_ = 0;    ///< || P (h - F lambdaIm) || [length], what residuals are compared with; 0: loads need no lambda but lambdaIm
   std::unique_ptr<const BalancedPreconditioner> preconditioner_;
-  std::vector<int> spectra_;  ///< largest spectra of the deflated preconditioners that were not tried yet, the next one last
+  std::vector<Cure> cures_;  ///< that were not tried yet, the next one last
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;

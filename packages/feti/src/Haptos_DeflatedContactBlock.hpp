@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <Eigen/Core>
+
+#include "Haptos_ContactBlock.hpp"
+
+namespace Haptos {
+
+/// \brief M_cc - W W^T, on `MultiplierMap::contactMap`: M_Z between contact rows, where nothing is slender.
+///
+/// Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S, and W W^T = Y_c K^+ Y_c^T with Y = B_D S Z.  W lies with its contact rows; W^T x is
+/// summed over the ranks.
+class DeflatedContactBlock final : public Operator {
+ public:
+  /// \param W [owned contact rows x any]
+  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd W) : block_(base), W_(std::move(W)) {}
+
+  RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
+  RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
+  bool hasTransposeApply() const override { return true; }
+  double entriesRead() const { return block_.entriesRead() + 2 * double(W_.size()); }  ///< of this rank
+  /// Collective: as `ContactBlock`, and one sum.
+  void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0, double beta = 0.0) const override;
+
+ private:
+  Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
+
+  ContactBlock block_;
+  Eigen::MatrixXd W_;
+};
+
+}  // namespace Haptos
