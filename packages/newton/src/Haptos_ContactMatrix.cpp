@@ -57,7 +57,8 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
   first_ = end - mine;
   const double n = double(size_), product = parts.entriesRead > 0 ? parts.entriesRead : n * n;
   productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * product) : 0.0;
-  isCheaperDense_ = 2 * parts.entriesRead > n * n;
+  const double perEntry = n > options.rowsInCache ? options.readFromMemory : 1.0;
+  isCheaperDense_ = 2 * parts.entriesRead > perEntry * n * n;
   if (kind == Kind::Dense) makeDirect();
 }
 

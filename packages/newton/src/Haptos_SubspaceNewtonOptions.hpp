@@ -156,6 +156,10 @@ struct SubspaceNewtonOptions {
     /// Products that read more than half of the dense matrix have it made once they are one for so many rows: a column costs a fourth of a product, as
     /// many come at a time (decisions/049).
     int productsOfRow = 4;
+    /// Beyond so many rows it is read from memory, at this price an entry, while what products read of M mostly lies in a processor's own: with 2646 rows 1.75 ms,
+    /// where products that read half as much again took .9 (decisions/049).
+    int rowsInCache = 2000;
+    double readFromMemory = 2;
     /// Where a factorisation is worth at least so many products, they get a coarse space at first (`ContactCoarse`), by which they end after 20 to 60; so many solves
     /// in a row that do not end show that it is no help.
     int coarseSteps = 25, coarseTrials = 3;
