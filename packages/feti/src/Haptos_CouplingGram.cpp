@@ -336,7 +336,7 @@ void CouplingGram::setHeldDiagonals() {
 
 // Y = S^-1 X: small groups by their inverses, held ones as T^T S^-1 T X, T the turn to global axes.
 Eigen::MatrixXd CouplingGram::solve(const Eigen::MatrixXd& X) const {
-  Eigen::MatrixXd Y = inverse_ * X;
+  Eigen::MatrixXd Y = timesColumns(inverse_, X);
   if (!isAnyHeld_) return Y;
   const Eigen::MatrixXd held = rowTransfer_.gather(X);
   rowTransfer_.scatter(turn_.transpose() * factor_.solve(turn_ * held), Y);

@@ -161,7 +161,7 @@ bool DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>&
   return true;
 }
 
-// t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there: averaged motions are on few
+// t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there
 template <class Local>
 void DeflatedPreconditioner::onSubdomains(MultiVector& t, Local&& local) const {
   const auto& offsets = base_->jump().primalOffsets();

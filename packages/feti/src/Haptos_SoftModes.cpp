@@ -23,9 +23,9 @@ double aspectOf(const Coordinates& coordinates) {
   return squares[0] > 0 ? std::sqrt(squares[2] / squares[0]) : std::numeric_limits<double>::infinity();
 }
 
-bool isSlender(const Coordinates& coordinates) {
+bool isSlender(double aspect) {
   constexpr double kRatio = 10;  // ordinary meshes are to pay nothing (decisions/016)
-  return aspectOf(coordinates) > kRatio;
+  return aspect > kRatio;
 }
 
 namespace {

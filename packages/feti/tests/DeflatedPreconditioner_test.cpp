@@ -21,7 +21,7 @@ struct Setup : HeldBeams {
   RCP<const DeflatedPreconditioner> deflated;
 
   explicit Setup(double height, const std::array<int, 3>& bricks = {4, 2, 2}, int parts = 4) : HeldBeams(height, 0, bricks, parts) {
-    for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(sub.coordinates));
+    for (const auto& sub : feti.dealt.mine) slender.push_back(isSlender(aspectOf(sub.coordinates)));
     deflated = DeflatedPreconditioner::make(M, slender, {});
   }
 

@@ -165,16 +165,17 @@ void FetiSystem::renewRows(RCP<const MultiplierMap> multipliers) {
 
 // All ranks must know: a deflated preconditioner is built together or not at all.
 void FetiSystem::findSlender() {
-  const auto isSoft = [&](int i) {
-    return int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSlender && isSlender(model_.stiffness->coordinates(i));
-  };
-  slender_.clear();
-  for (int i = 0; i < systems_->size(); ++i) slender_.push_back(kind_ == PreconditionerKind::Dirichlet && isSoft(i));
   constexpr double kFlat = 3;
-  Eigen::Vector2d flatAndAll(0.0, double(systems_->size()));
-  for (int i = 0; i < systems_->size(); ++i) flatAndAll[0] += aspectOf(model_.stiffness->coordinates(i)) > kFlat;
-  const Eigen::VectorXd all = sumOfAll(*model_.comm, Eigen::VectorXd(flatAndAll));
-  areFlat_ = 2 * all[0] > all[1];
+  const bool isDirichlet = kind_ == PreconditionerKind::Dirichlet;
+  Eigen::VectorXd flatAndAll = Eigen::Vector2d(0.0, double(systems_->size()));
+  slender_.clear();
+  for (int i = 0; i < systems_->size(); ++i) {
+    const double aspect = aspectOf(model_.stiffness->coordinates(i));
+    slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSlender);
+    flatAndAll[0] += aspect > kFlat;
+  }
+  flatAndAll = sumOfAll(*model_.comm, flatAndAll);
+  areFlat_ = 2 * flatAndAll[0] > flatAndAll[1];
   anySlender_ = anyOfAll(*model_.comm, std::count(slender_.begin(), slender_.end(), char(1)) > 0);
 }
 
