@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Two plates of any aspect, in contact and tied, by elements along an edge: multiplications by F and seconds, as a table.
 
-    tests/scenes/aspects.py --haptos build/release/bin/haptos [--aspects 3 10 30 100] [--elements 20 31 44] [--layers 2]
+    tests/scenes/aspects.py --haptos build/release/bin/haptos [--aspects 3 10 30 100] [--elements 20 31 44] [--layers 2] [--parts N]
 
 Plates 1 : 1 : 1 / aspect, one above the other, of E x E x layers HEX8, contrast 3, coefficients .3 and .15 at 30 degrees, pressed and pulled; both are
 held at x = 0, or the lower one alone.  Stiffness grows with the cube of the aspect, so that they bend about as far.  Exit status 1 where
@@ -25,10 +25,10 @@ except ImportError as missing:
     sys.exit(77)
 
 
-def plates(aspect, elements, layers, held):
+def plates(aspect, elements, layers, held, parts=None):
     mesh = BodyMesh("HEX8", (elements, elements, layers))
     young = [E * aspect ** 3 for E in (2e5, 7e4)]
-    subdomains = max(4, 2 * elements * elements * layers // 150)
+    subdomains = parts or max(4, 2 * elements * elements * layers // 150)
     return Scene("plates", (1, 1, 1 / aspect), [mesh] * 2, young, [0.3, 0.3], "Coulomb", (0.3, 0.15), 30.0, 1.0, 0.0, False, held, (0.05, 0.05, 0), 0.5,
                  subdomains, 1, family="aspects")
 
@@ -53,6 +53,7 @@ def main():
     parser.add_argument("--aspects", nargs="+", type=float, default=[3, 10, 30, 100])
     parser.add_argument("--elements", nargs="+", type=int, default=[20, 31, 44])
     parser.add_argument("--layers", type=int, default=2)
+    parser.add_argument("--parts", type=int, help="subdomains of both (one for 150 elements)")
     parser.add_argument("--most", type=int, default=60)
     parser.add_argument("--most-tied", type=int, default=30)
     options = parser.parse_args()
@@ -62,7 +63,7 @@ def main():
     for aspect in options.aspects:
         for elements in options.elements:
             for held in ("all bodies", "lowest body"):
-                scene = plates(aspect, elements, options.layers, held)
+                scene = plates(aspect, elements, options.layers, held, options.parts)
                 with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
                     status, count, seconds, pairs = solve(options, scene, folder)
                     tied_status, tied, tied_seconds, _ = solve(options, dataclasses.replace(scene, law="Tied"), folder)

@@ -49,7 +49,7 @@ void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
                                                                       const Spectra& spectra) {
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
-  if (!result->findMotions(slender, spectra) || result->numMotions() > kLargest) return {};
+  if (!result->findMotions(slender, spectra) || result->numMotions() > spectra.columns) return {};
   result->assemble();
   result->S_.assign(result->L_.size(), {});
   return result;
@@ -90,6 +90,7 @@ bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const
   bool mine = false;
   for (int c = 0; c < systems.numClasses(); ++c) mine = mine || hasSpectrum(c);
   const bool any = anyOfAll(*getRangeMap()->getComm(), mine);
+  std::vector<SoftSpectrum> soft(L_.size());
   for (int c = 0; c < systems.numClasses(); ++c) {
     const auto& members = systems.members()[std::size_t(c)];
     const Eigen::MatrixXd rigid = rigidMotions(members.front());
@@ -97,13 +98,31 @@ bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const
     if (!isSlender(c) && !hasSpectrum(c)) continue;
     Eigen::MatrixXd Sc = denseOf(c);
     if (isSlender(c)) {
-      SoftSpectrum soft = softSpectrum(Sc, rigid);
-      L_[std::size_t(c)] = std::move(soft.L);
-      for (int i : members) append(soft.modes, motions_[std::size_t(i)]);
+      soft[std::size_t(c)] = softSpectrum(Sc, rigid);
+      L_[std::size_t(c)] = std::move(soft[std::size_t(c)].L);
     }
     if (any) S_[std::size_t(c)] = std::move(Sc);
   }
+  takeSoftModes(soft, spectra.columns);
   return !any || takeSpectralModes(findSpectralModes(S_, spectra), spectra);
+}
+
+// Where there are too many, the softest, by one bound for all ranks: what is left out costs far less than soft motions without any (decisions/016).
+void DeflatedPreconditioner::takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns) {
+  constexpr double kStep = 1.25;
+  const auto& members = base_->systems().members();
+  const long most = columns - numMotions();
+  double bound = 1;
+  const auto below = [&](const SoftSpectrum& s) { return (s.mu.array() < bound).count(); };
+  const auto countAll = [&] {
+    long mine = 0;
+    for (std::size_t c = 0; c < soft.size(); ++c) mine += below(soft[c]) * long(members[c].size());
+    return sumOfAll(*getRangeMap()->getComm(), mine);
+  };
+  while (bound > std::numeric_limits<double>::min() && countAll() > most) bound /= kStep;
+  for (std::size_t c = 0; c < soft.size(); ++c)
+    if (const Eigen::Index k = below(soft[c]); k > 0)
+      for (int i : members[c]) append(soft[c].modes.leftCols(k), motions_[std::size_t(i)]);
 }
 
 Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
@@ -147,7 +166,7 @@ std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::
 // Where there are too many, those that matter least are left out, by one bound for all ranks.
 bool DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted) {
   constexpr double kStep = 1.25;
-  const long most = std::max(0L, std::min(wanted.most, kLargest - numMotions()));
+  const long most = std::max(0L, std::min(wanted.most, wanted.columns - numMotions()));
   double bound = kStiffer;
   const auto above = [&](const SpectralModes& s) { return (s.theta.array() > bound).count(); };
   for (;; bound *= kStep) {

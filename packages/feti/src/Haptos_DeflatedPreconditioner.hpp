@@ -7,6 +7,7 @@
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DualPreconditioner.hpp"
+#include "Haptos_SoftModes.hpp"
 #include "Haptos_SpectralModes.hpp"
 #include "Haptos_SubdomainColumns.hpp"
 
@@ -28,10 +29,8 @@ class DeflatedPreconditioner final : public Operator {
  public:
   static constexpr long kLargest = 5000;  ///< columns of Z
   /// Unknowns of a subdomain's boundary up to which its spectral modes are had for as much as some tens of iterations, and up to which its
-  /// dense matrices are made at all (decisions/042).
+  /// dense matrices are made at all, and slender ones have soft motions: an eigenproblem takes 2 s at 2600 of them (decisions/016, 042).
   static constexpr int kUsualSpectrum = 1000, kLargestSpectrum = 5000;
-  /// And of slender ones, of which an eigenproblem of all rows is solved: 2 s at 2000 unknowns (decisions/016, 042).
-  static constexpr int kLargestSlender = 2000;
   static constexpr long kMostRigid = 2000;  ///< columns that are rigid motions, for spectral modes to come beside them
 
   /// \brief Which spectral modes are looked for: by default as many as are likely to pay for themselves.
@@ -40,11 +39,12 @@ class DeflatedPreconditioner final : public Operator {
     long most = 2000;                      ///< of all subdomains, the stiffest ones
     /// If that leaves out stiffer ones there are none: what is left is as bad as S of a capped Poisson's ratio, which is cheap (decisions/050).
     double stiffestLeft = 8;
+    long columns = kLargest;  ///< of Z; where there are more soft motions than that, the softest are taken
     /// \brief As many as Z can have, however stiff those are that it cannot: where nothing else leads to an answer.
     static Spectra atAnyPrice() { return {kLargestSpectrum, kLargest, std::numeric_limits<double>::infinity()}; }
   };
 
-  /// \brief Null where Z would have more than `kLargest` columns, or more spectral modes than are wanted.  Collective.
+  /// \brief Null where rigid motions alone are more than Z may have, or spectral modes more than are wanted.  Collective.
   ///
   /// \param slender [local subdomains] those whose soft motions are looked for; `base` must have their S in double
   /// precision, since soft motions live in its last digits.
@@ -89,6 +89,7 @@ class DeflatedPreconditioner final : public Operator {
   Eigen::MatrixXd rigidMotions(int subdomain) const;
   Eigen::MatrixXd denseOf(int congruenceClass) const;
   std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const;
+  void takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns);
   bool takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted);
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;

@@ -54,7 +54,7 @@ SoftSpectrum softSpectrum(const Eigen::MatrixXd& S, const Eigen::MatrixXd& rigid
   const Eigen::MatrixXd A = inverse.asDiagonal() * S * inverse.asDiagonal(), scaledRigid = root.asDiagonal() * rigid;
   const Eigen::MatrixXd Q = orthonormalBasis(scaledRigid);
   const EigenBelow soft(A + 2 * A.trace() * Q * Q.transpose(), softest);
-  return {rootOf(A, Q) * root.asDiagonal(), inverse.asDiagonal() * soft.vectors};
+  return {rootOf(A, Q) * root.asDiagonal(), inverse.asDiagonal() * soft.vectors, soft.values};
 }
 
 }  // namespace Haptos

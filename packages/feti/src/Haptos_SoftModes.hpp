@@ -22,6 +22,7 @@ struct SoftSpectrum {
   /// is left of any motion w has |D w|_S^2 <= mu_max / softest |w|_S^2 for every weighting D of the nodes by numbers
   /// in [0, 1], and such weightings are what a preconditioner does to w.
   Eigen::MatrixXd modes;
+  Eigen::VectorXd mu;     ///< [m] ascending
 };
 
 /// \param S [n x n], \param rigid [n x k] kernel of S, \param softest .05 left an eigenvalue of 175 on thin tetrahedra, .2 leaves 7; .3 costs more

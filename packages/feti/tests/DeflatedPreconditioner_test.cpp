@@ -124,6 +124,27 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheStiffestModes) {
   out << spectral << " spectral modes, " << few->numCoarse() - rigid << " of them where half are wanted\n";
 }
 
+// Plates whose soft motions are too many keep the softest: half of them does half of the work, none is a hundred times as bad.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheSoftestModes) {
+  const Setup t(0.02);
+  const int rigid = 6 * t.scene.partition.count, soft = t.deflated->numCoarse() - rigid;
+  const auto with = [&](int columns) {
+    DeflatedPreconditioner::Spectra wanted;
+    wanted.columns = columns;
+    return DeflatedPreconditioner::make(t.M, t.slender, wanted);
+  };
+  const auto all = with(rigid + soft), half = with(rigid + soft / 2), none = with(rigid);
+  TEST_EQUALITY(all->numCoarse(), rigid + soft);
+  TEST_COMPARE(half->numCoarse(), <=, rigid + soft / 2);
+  TEST_COMPARE(half->numCoarse(), >, rigid);
+  TEST_EQUALITY(none->numCoarse(), rigid);
+  TEST_ASSERT(with(rigid - 1).is_null());
+  const auto largestOf = [&](const auto& M) { return t.spectrum(denseOf(*M))[0]; };
+  const double withAll = largestOf(all), withHalf = largestOf(half), without = largestOf(none);
+  out << soft << " soft modes: M F up to " << withAll << ", with " << half->numCoarse() - rigid << " of them " << withHalf << ", with none " << without << "\n";
+  TEST_COMPARE(withHalf, <=, 0.1 * without);
+}
+
 // Every third row that a rank has, and one that is not there.
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BetweenRowsIsThatPartOfIt) {
   for (double height : {1.0, 0.02}) {

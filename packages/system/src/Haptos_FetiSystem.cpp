@@ -171,7 +171,7 @@ void FetiSystem::findSlender() {
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i) {
     const double aspect = aspectOf(model_.stiffness->coordinates(i));
-    slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSlender);
+    slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSpectrum);
     flatAndAll[0] += aspect > kFlat;
   }
   flatAndAll = sumOfAll(*model_.comm, flatAndAll);
