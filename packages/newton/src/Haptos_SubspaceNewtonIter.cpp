@@ -124,12 +124,13 @@ bool SubspaceNewtonIter::isPoor(double factor) const {
   return !linear_ && int(n) > options_.window && window_[n - 1] > factor * window_[n - 1 - std::size_t(options_.window)];
 }
 
-// A slow way that is nearly done is shorter than a new one: at its rate, so much a step, few steps are left.
+// A slow way that is nearly done is shorter than a new one: at its rate, so much a step, few steps are left of this level and those to come.  By what is
+// accepted: jumps of the start, which floating bodies make as long as they like, are no measure (decisions/055).
 bool SubspaceNewtonIter::isNearlyThere(const NewtonLimits& limits) const {
   const std::size_t n = window_.size(), window = std::size_t(options_.window);
   if (n <= window || !(window_[n - 1] < window_[n - 1 - window])) return false;
   const double perStep = std::log(window_[n - 1 - window] / window_[n - 1]) / options_.window;
-  return std::log(window_[n - 1] / std::max(limits.tolerance * limits.reference, 1e-300)) < options_.fewSteps * perStep;
+  return std::log(measures_.back() * limits.wayAfter) < options_.fewSteps * perStep;
 }
 
 // At its rate the whole way would take too many steps, where a better M is likely to make it shorter.  Looked at now and then: what is accepted

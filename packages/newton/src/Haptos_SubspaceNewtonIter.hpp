@@ -18,6 +18,7 @@ enum class NewtonStop { Converged, Stalled, Plateau, LongWay, Limit };
 struct NewtonLimits {
   double tolerance = 0;      ///< of || (s_E, phi) || relative to `reference`
   double reference = 1;      ///< [length]
+  double wayAfter = 1;       ///< times what is accepted here is what levels to come leave of it
   int stall = 0;             ///< F applications without halving the residual; 0: never
   long maxApplications = 0;  ///< of F in this call
   /// Asked at every step with lambda, s and the relative residual: what is accepted in parts of what it may be, so 1 or less ends the way.

@@ -102,6 +102,7 @@ bool SubspaceNewtonRun::isLongWay() const {
 NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst) {
   NewtonLimits limits;
   limits.tolerance = level.tolerance;
+  limits.wayAfter = std::max(1.0, level.tolerance / options_.tolerance);
   limits.reference = reference_;
   limits.stall = level.patience;
   limits.maxApplications = left();
