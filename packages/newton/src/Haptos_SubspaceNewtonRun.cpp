@@ -5,6 +5,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "Haptos_FoundationStart.hpp"
 
@@ -82,12 +83,18 @@ void SubspaceNewtonRun::liftRest() {
 
 // At the true coefficients by the status test, which may measure by other norms; before, by the residual.
 double SubspaceNewtonRun::measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level) {
-  least_ = std::min(least_, residual);
   const auto l = vectors_.toVector(lambda);
   if (level.isFinal && hooks_.statusTest) residual = hooks_.statusTest(*l, *vectors_.toVector(s));
   if (level.isFinal) residual_ = residual;
+  noteLeast(residual, level);
   if (hooks_.observer) hooks_.observer({dual_.F->applications(), residual, level.isFinal}, *l);
   return residual == 0 ? 0 : residual / (level.isFinal ? options_.tolerance : level.tolerance);
+}
+
+// What a level leaves in parts of the start is no measure where floating bodies start far away: once the answer is measured that counts alone (decisions/055).
+void SubspaceNewtonRun::noteLeast(double residual, const Level& level) {
+  if (level.isFinal && !std::exchange(isAnswerMeasured_, true)) least_ = 1;
+  if (level.isFinal || !isAnswerMeasured_) least_ = std::min(least_, residual);
 }
 
 // At the rate of all F so far, whatever the level, the answer is far, and there is an M that was too dear.
@@ -134,6 +141,7 @@ void SubspaceNewtonRun::condense() {
 
 void SubspaceNewtonRun::noteBegin() {
   least_ = 1;
+  isAnswerMeasured_ = false;
   begunAt_ = dual_.F->applications();
 }
 

@@ -55,6 +55,7 @@ class SubspaceNewtonRun {
   void refreshJumps();
   void takeJumps(Eigen::VectorXd s);
   double measure(const Eigen::VectorXd& lambda, const Eigen::VectorXd& s, double residual, const Level& level);
+  void noteLeast(double residual, const Level& level);
   bool isLongWay() const;
   // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
@@ -78,7 +79,8 @@ class SubspaceNewtonRun {
   Eigen::VectorXd first_;  // multipliers given by the user
   NewtonState state_;
   double reference_ = 0, residual_ = -1;
-  double least_ = 1;   // residual since the start, of its jumps
+  double least_ = 1;   // residual since the start, of its jumps, or the answer's once that is measured
+  bool isAnswerMeasured_ = false;
   long begunAt_ = 0;   // applications of F before
   bool isStarted_ = false, isRenewed_ = false, isFresh_ = false;  // isFresh_: s is that of lambda
 };
