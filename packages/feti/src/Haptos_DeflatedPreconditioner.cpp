@@ -4,6 +4,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <type_traits>
@@ -107,21 +108,17 @@ bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const
   return !any || takeSpectralModes(findSpectralModes(S_, spectra), spectra);
 }
 
-// Where there are too many, the softest, by one bound for all ranks: what is left out costs far less than soft motions without any (decisions/016).
+// Where there are too many, the softest: what is left out costs far less than soft motions without any (decisions/016).
 void DeflatedPreconditioner::takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns) {
-  constexpr double kStep = 1.25;
   const auto& members = base_->systems().members();
-  const long most = columns - numMotions();
-  double bound = 1;
-  const auto below = [&](const SoftSpectrum& s) { return (s.mu.array() < bound).count(); };
-  const auto countAll = [&] {
+  const auto below = [&](std::size_t c, double bound) { return (soft[c].mu.array() * bound < 1).count(); };
+  const double bound = boundThatLeaves(columns - numMotions(), 1, [&](double b) {
     long mine = 0;
-    for (std::size_t c = 0; c < soft.size(); ++c) mine += below(soft[c]) * long(members[c].size());
-    return sumOfAll(*getRangeMap()->getComm(), mine);
-  };
-  while (bound > std::numeric_limits<double>::min() && countAll() > most) bound /= kStep;
+    for (std::size_t c = 0; c < soft.size(); ++c) mine += below(c, b) * long(members[c].size());
+    return mine;
+  });
   for (std::size_t c = 0; c < soft.size(); ++c)
-    if (const Eigen::Index k = below(soft[c]); k > 0)
+    if (const Eigen::Index k = below(c, bound); k > 0)
       for (int i : members[c]) append(soft[c].modes.leftCols(k), motions_[std::size_t(i)]);
 }
 
@@ -163,21 +160,25 @@ std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::
   return spectral;
 }
 
-// Where there are too many, those that matter least are left out, by one bound for all ranks.
+// Where there are too many, those that matter least are left out.
 bool DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted) {
-  constexpr double kStep = 1.25;
-  const long most = std::max(0L, std::min(wanted.most, wanted.columns - numMotions()));
-  double bound = kStiffer;
-  const auto above = [&](const SpectralModes& s) { return (s.theta.array() > bound).count(); };
-  for (;; bound *= kStep) {
-    if (bound > wanted.stiffestLeft) return false;
+  const auto above = [](const SpectralModes& s, double bound) { return (s.theta.array() > bound).count(); };
+  const double bound = boundThatLeaves(std::min(wanted.most, wanted.columns - numMotions()), kStiffer, [&](double b) {
     long mine = 0;
-    for (const auto& s : spectral) mine += above(s);
-    if (sumOfAll(*getRangeMap()->getComm(), mine) <= most) break;
-  }
+    for (const auto& s : spectral) mine += above(s, b);
+    return mine;
+  });
+  if (bound > wanted.stiffestLeft) return false;
   for (std::size_t i = 0; i < spectral.size(); ++i)
-    if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i])), motions_[i]);
+    if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i], bound)), motions_[i]);
   return true;
+}
+
+// The same for all ranks: the first of growing ones beyond which they have at most so many together, or that is infinite.
+double DeflatedPreconditioner::boundThatLeaves(long most, double bound, const std::function<long(double)>& countMine) const {
+  constexpr double kStep = 1.25;
+  while (std::isfinite(bound) && sumOfAll(*getRangeMap()->getComm(), countMine(bound)) > std::max(0L, most)) bound *= kStep;
+  return bound;
 }
 
 // t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there

@@ -2,6 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 #include <array>
+#include <functional>
 #include <limits>
 #include <memory>
 
@@ -91,6 +92,7 @@ class DeflatedPreconditioner final : public Operator {
   std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const;
   void takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns);
   bool takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted);
+  double boundThatLeaves(long most, double bound, const std::function<long(double)>& countMine) const;
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
   void averageMotions(PanelJumps& jumps, RowPanel& t) const;
