@@ -4,6 +4,7 @@
 #include <Teuchos_Assert.hpp>
 #include <Tpetra_Map.hpp>
 
+#include "Haptos_SparseBlocks.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
@@ -22,8 +23,7 @@ RCP<const Map> keptMap(const Map& map, const std::vector<char>& isKept, std::siz
 // Rows are numbered anew, own ones first, and entries keep what `place` knows; the rest of B is not there.
 CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<char>& isKept, Eigen::Index size,
                          const std::function<Eigen::Index(int, int)>& place,
-                         const std::function<double(const MultiplierMap::OverlapEntry&)>& scale)
-    : size_(size) {
+                         const std::function<double(const MultiplierMap::OverlapEntry&)>& scale) {
   const Map& overlap = *multipliers.overlapMap();
   const std::size_t owned = multipliers.remote().numOwned();
   TEUCHOS_ASSERT(isKept.size() == localNumElements(overlap));
@@ -34,28 +34,46 @@ CompactRows::CompactRows(const MultiplierMap& multipliers, const std::vector<cha
     number[row] = int(next++);
     if (row < owned) rows_.push_back(int(row));
   }
+  std::vector<Eigen::Triplet<double>> entries;
   for (const auto& entry : multipliers.overlapEntries()) {
     if (!isKept[std::size_t(entry.row)]) continue;
     const Eigen::Index position = place(entry.subdomain, entry.dof);
-    if (position >= 0) entries_.push_back({number[std::size_t(entry.row)], int(position), entry.value * scale(entry)});
+    if (position >= 0) entries.emplace_back(number[std::size_t(entry.row)], int(position), entry.value * scale(entry));
   }
+  collects_.resize(Eigen::Index(rows_.size() + localNumElements(*remote_->map())), size);
+  collects_.setFromTriplets(entries.begin(), entries.end());
+  spreads_ = collects_.transpose();
 }
 
-// t = B^T x of the kept rows, x this rank's own ones.
-Eigen::VectorXd CompactRows::spread(const Eigen::VectorXd& x) const {
-  const Eigen::VectorXd remote = remote_->fetch(x);
-  Eigen::VectorXd t = Eigen::VectorXd::Zero(size_);
-  for (const Entry& e : entries_) t[e.position] += e.value * (e.row < x.size() ? x[e.row] : remote[e.row - x.size()]);
-  return t;
+// T = B^T X of the kept rows, X this rank's own ones.
+Eigen::MatrixXd CompactRows::spread(const Eigen::MatrixXd& X) const {
+  Eigen::MatrixXd all(collects_.rows(), X.cols());
+  all.topRows(X.rows()) = X;
+  for (Eigen::Index v = 0; v < X.cols(); ++v) all.col(v).tail(all.rows() - X.rows()) = remote_->fetch(X.col(v));
+  return timesColumns(spreads_, all);
 }
 
-// B t on this rank's own kept rows.
-Eigen::VectorXd CompactRows::collect(const Eigen::VectorXd& t) const {
-  const Eigen::Index owned = Eigen::Index(rows_.size());
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(owned), remote = Eigen::VectorXd::Zero(Eigen::Index(localNumElements(*remote_->map())));
-  for (const Entry& e : entries_) (e.row < owned ? y[e.row] : remote[e.row - owned]) += e.value * t[e.position];
-  remote_->addToOwners(remote, y);
-  return y;
+Eigen::SparseMatrix<double> CompactRows::spreads(const Eigen::VectorXd& columns, Eigen::Index count) const {
+  Eigen::VectorXd all(collects_.rows());
+  all << columns, remote_->fetch(columns);
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (Eigen::Index row = 0; row < collects_.rows(); ++row)
+    for (Matrix::InnerIterator it(collects_, row); it && all[row] >= 0; ++it) triplets.emplace_back(int(it.col()), int(all[row]), it.value());
+  Eigen::SparseMatrix<double> result(size(), count);
+  result.setFromTriplets(triplets.begin(), triplets.end());
+  return result;
+}
+
+// B T on this rank's own kept rows.
+Eigen::MatrixXd CompactRows::collect(const Eigen::MatrixXd& T) const {
+  const Eigen::MatrixXd all = timesColumns(collects_, T);
+  Eigen::MatrixXd Y = all.topRows(Eigen::Index(rows_.size()));
+  for (Eigen::Index v = 0; v < T.cols(); ++v) {
+    Eigen::VectorXd y = Y.col(v);
+    remote_->addToOwners(all.col(v).tail(all.rows() - Y.rows()), y);
+    Y.col(v) = y;
+  }
+  return Y;
 }
 
 }  // namespace Haptos

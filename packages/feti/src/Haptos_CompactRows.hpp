@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <Eigen/SparseCore>
 #include <functional>
 #include <memory>
 #include <vector>
@@ -22,24 +23,20 @@ class CompactRows {
 
   /// \brief The rank's own kept rows, ascending.
   const std::vector<int>& rows() const { return rows_; }
-  Eigen::Index size() const { return size_; }  ///< of the compact vector
-  /// \brief t := V B^T x; x [rows()], t [size].  Collective: one Import.
-  Eigen::VectorXd spread(const Eigen::VectorXd& x) const;
-  /// \brief y := B V t; t [size], y [rows()].  Collective: one Export.
-  Eigen::VectorXd collect(const Eigen::VectorXd& t) const;
+  Eigen::Index size() const { return spreads_.rows(); }  ///< of the compact vector
+  /// \brief T := V B^T X; X [rows() x any], T [size x any].  Collective: an Import for each column.
+  Eigen::MatrixXd spread(const Eigen::MatrixXd& X) const;
+  /// \brief V B^T of some rows of all ranks, [size x count].
+  /// \param columns [rows()] where this rank's own are among them, -1: nowhere.  Collective: one Import.
+  Eigen::SparseMatrix<double> spreads(const Eigen::VectorXd& columns, Eigen::Index count) const;
+  /// \brief Y := B V T; T [size x any], Y [rows() x any].  Collective: an Export for each column.
+  Eigen::MatrixXd collect(const Eigen::MatrixXd& T) const;
 
  private:
-  // One nonzero: the rank's own rows come first.
-  struct Entry {
-    int row;
-    int position;
-    double value;
-  };
-
   std::vector<int> rows_;
   std::unique_ptr<const RemoteRows> remote_;
-  std::vector<Entry> entries_;
-  Eigen::Index size_;
+  using Matrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+  Matrix collects_, spreads_;  // B V [own rows, then those of others x size] and its transpose: sums of products, and no other writes
 };
 
 }  // namespace Haptos

@@ -9,6 +9,8 @@
 #include <utility>
 
 #include "Haptos_LocalSystems.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
@@ -160,16 +162,82 @@ double ContactBlock::entriesRead() const {
   return sum;
 }
 
+// B_D^T X at the unknowns of contact nodes
+Eigen::MatrixXd ContactBlock::spread(const Eigen::MatrixXd& X) const {
+  return near_->spread(pairs().solve(extended(X, contact_, pairs().rows().size()))(nearPairs_, Eigen::all));
+}
+
 // M_cc x = B_D S B_D^T x, both ends on contact rows: the inverse of their Gram matrix, B^T to the unknowns of contact nodes, S
 // between those, and back.
 void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp, double alpha, double beta) const {
-  const Eigen::MatrixXd forces = pairs().solve(extended(matrixOf(x), contact_, pairs().rows().size()));
-  Eigen::MatrixXd jumps(Eigen::Index(nearPairs_.size()), forces.cols()), T(near_->size(), forces.cols());
-  for (Eigen::Index v = 0; v < forces.cols(); ++v) T.col(v) = near_->spread(restricted(forces.col(v), nearPairs_));
+  Eigen::MatrixXd T = spread(matrixOf(x));
   applyLocal(T);
-  for (Eigen::Index v = 0; v < forces.cols(); ++v) jumps.col(v) = near_->collect(T.col(v));
-  const Eigen::MatrixXd result = pairs().solve(extended(jumps, nearPairs_, pairs().rows().size()));
-  for (Eigen::Index v = 0; v < forces.cols(); ++v) update(y.getDataNonConst(std::size_t(v)), beta, alpha, restricted(result.col(v), contact_));
+  const Eigen::MatrixXd result = pairs().solve(extended(near_->collect(T), nearPairs_, pairs().rows().size()));
+  for (Eigen::Index v = 0; v < T.cols(); ++v) update(y.getDataNonConst(std::size_t(v)), beta, alpha, restricted(result.col(v), contact_));
+}
+
+ContactBlock::Columns ContactBlock::spreads() const {
+  const auto& comm = *getDomainMap()->getComm();
+  const int mine = int(contact_.size()), before = sumOfLower(comm, mine);
+  Eigen::VectorXd columns = Eigen::VectorXd::Constant(Eigen::Index(near_->rows().size()), -1);
+  const std::vector<int> places = positionsIn(near_->rows(), preconditioner_->jump().multipliers().contactRows());
+  for (int i = 0; i < mine; ++i) columns[places[std::size_t(i)]] = before + i;
+  return near_->spreads(columns, sumOfAll(comm, mine));
+}
+
+ContactBlock::Columns ContactBlock::gram() const {
+  const auto& comm = *getDomainMap()->getComm();
+  const int mine = int(contact_.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
+  Eigen::VectorXd numbers = Eigen::VectorXd::Constant(Eigen::Index(pairs().rows().size()), -1);
+  for (int i = 0; i < mine; ++i) numbers[contact_[std::size_t(i)]] = before + i;
+  std::vector<Eigen::Triplet<double>> triplets;
+  for (const auto& entry : gatheredOnAll(comm, pairs().entries(numbers))) triplets.emplace_back(entry.row, entry.column, entry.value);
+  Columns G(all, all);
+  G.setFromTriplets(triplets.begin(), triplets.end());
+  return G;
+}
+
+// S of a class between some of its `unknowns`
+Eigen::MatrixXd ContactBlock::stiffnessBetween(std::size_t c, const std::vector<int>& positions) const {
+  if (dense_[c].size() > 0) return dense_[c].block(positions);
+  std::vector<int> inBoundary;
+  for (int i : positions) inBoundary.push_back(unknowns_[c][std::size_t(i)]);
+  return preconditioner_->surface().block(int(c), inBoundary);
+}
+
+// One subdomain, whose unknowns begin at `first`: between those that are met, and columns that have some.
+void ContactBlock::addEnergiesOf(std::size_t congruenceClass, Eigen::Index first, const Columns& T, Eigen::MatrixXd& M) const {
+  const Eigen::Index n = Eigen::Index(unknowns_[congruenceClass].size());
+  std::vector<int> place(std::size_t(n), -1), met;
+  std::vector<Eigen::Index> filled;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (Eigen::Index j = 0; j < T.cols(); ++j) {
+    const std::size_t before = entries.size();
+    for (Columns::InnerIterator it(T, j); it; ++it) {
+      const Eigen::Index i = it.row() - first;
+      if (i < 0 || i >= n) continue;
+      int& at = place[std::size_t(i)];
+      if (at < 0) at = int(met.size()), met.push_back(int(i));
+      entries.emplace_back(at, int(filled.size()), it.value());
+    }
+    if (entries.size() > before) filled.push_back(j);
+  }
+  if (filled.empty()) return;
+  Columns X(Eigen::Index(met.size()), Eigen::Index(filled.size()));
+  X.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::MatrixXd SX = stiffnessBetween(congruenceClass, met) * X, E = X.transpose() * SX;
+  for (std::size_t j = 0; j < filled.size(); ++j)
+    for (std::size_t i = 0; i < filled.size(); ++i) M(filled[i], filled[j]) += E(Eigen::Index(i), Eigen::Index(j));
+}
+
+void ContactBlock::addEnergies(const Columns& spreads, const std::vector<int>& columns, Eigen::MatrixXd& M) const {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (Columns::InnerIterator it(spreads, columns[j]); it; ++it) entries.emplace_back(int(it.row()), int(j), it.value());
+  Columns T(spreads.rows(), Eigen::Index(columns.size()));
+  T.setFromTriplets(entries.begin(), entries.end());
+  for (std::size_t c = 0; c < unknowns_.size(); ++c)
+    for (std::size_t k = 0; k < active_[c].size(); ++k) addEnergiesOf(c, first_[c] + Eigen::Index(k) * Eigen::Index(unknowns_[c].size()), T, M);
 }
 
 Eigen::VectorXd ContactBlock::collect(const Eigen::VectorXd& t) const {

@@ -34,6 +34,15 @@ class ContactBlock final : public Operator {
   /// \brief Entries of matrices that a product reads on this rank, which is what it costs.
   double entriesRead() const;
 
+  /// \name Of groups of contact rows by themselves (`ContactGroups`).  Contact rows of all ranks are numbered rank after rank.
+  /// @{
+  using Columns = Eigen::SparseMatrix<double>;
+  Columns spreads() const;  ///< V B^T [unknowns of this rank's active subdomains x contact rows of all].  Collective.
+  Columns gram() const;     ///< [contact rows of all]^2, their part of `CouplingGram`, the same on all.  Collective.
+  /// \brief M += T^T S T of this rank's subdomains, T some columns of `spreads`, in their order.
+  void addEnergies(const Columns& spreads, const std::vector<int>& columns, Eigen::MatrixXd& M) const;
+  /// @}
+
   /// \name What contact rows of M meet of the primal side.
   /// @{
   const std::vector<std::vector<int>>& activeMembers() const { return active_; }  ///< [classes] local subdomains with contact nodes
@@ -51,6 +60,9 @@ class ContactBlock final : public Operator {
   const CouplingGram& pairs() const { return preconditioner_->gram().pairs(); }
   DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::MatrixXd& T) const;
+  Eigen::MatrixXd spread(const Eigen::MatrixXd& X) const;
+  Eigen::MatrixXd stiffnessBetween(std::size_t congruenceClass, const std::vector<int>& positions) const;
+  void addEnergiesOf(std::size_t congruenceClass, Eigen::Index first, const Columns& T, Eigen::MatrixXd& M) const;
 
   RCP<const DualPreconditioner> preconditioner_;
   std::unique_ptr<const CompactRows> near_;   // contact rows, and tied ones that S couples with them

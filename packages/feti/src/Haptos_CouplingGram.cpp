@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
+#include <type_traits>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DisjointSets.hpp"
@@ -169,12 +170,12 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups) {
   const Eigen::Index n = Eigen::Index(rows_.size());
   rowDiagonal_ = Eigen::VectorXd::Zero(n);
   nodeDiagonal_ = Eigen::VectorXd::Zero(3 * Eigen::Index(nodes_.size()));
-  std::vector<Eigen::Triplet<double>> inverse, coefficients;
+  std::vector<Eigen::Triplet<double>> gram, inverse, coefficients;
   for (const Group& group : groups) {
     if (group.rows.empty() || group.rows.size() > kMostDense) continue;
     const auto columns = columnsOf(group.couplings, [&](const PairNode& node) { return weightOf(node); });
     const int rows = int(group.rows.size());
-    const Eigen::MatrixXd dense = pseudoInverse(gramOf(columns, rows));
+    const Eigen::MatrixXd S = gramOf(columns, rows), dense = pseudoInverse(S);
     for (const auto& [unknown, column] : columns) {
       if (column.node->owner < 0) continue;
       const int place = 3 * positionOfNode(unknown.first) + unknown.second;
@@ -183,9 +184,14 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups) {
     for (const Coupling* coupling : group.couplings) addDiagonals(*coupling);
     const double negligible = 1e-15 * dense.cwiseAbs().maxCoeff();
     for (int i = 0; i < rows; ++i)
-      for (int j = 0; j < rows; ++j)
-        if (std::abs(dense(i, j)) > negligible) inverse.emplace_back(group.rows[std::size_t(i)], group.rows[std::size_t(j)], dense(i, j));
+      for (int j = 0; j < rows; ++j) {
+        const int row = group.rows[std::size_t(i)], column = group.rows[std::size_t(j)];
+        if (S(i, j) != 0) gram.emplace_back(row, column, S(i, j));
+        if (std::abs(dense(i, j)) > negligible) inverse.emplace_back(row, column, dense(i, j));
+      }
   }
+  gram_.resize(n, n);
+  gram_.setFromTriplets(gram.begin(), gram.end());
   inverse_.resize(n, n);
   inverse_.setFromTriplets(inverse.begin(), inverse.end());
   C_.resize(n, nodeDiagonal_.size());
@@ -281,9 +287,8 @@ void CouplingGram::factorHeld(const Held& held) {
   heldC_.setFromTriplets(ofNodes.begin(), ofNodes.end());
   Matrix C(unknowns, Eigen::Index(columns.size()));
   C.setFromTriplets(coefficients.begin(), coefficients.end());
-  const Matrix S = C * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).asDiagonal() * Matrix(C.transpose());
-  heldDiagonal_ = S.diagonal();
-  factor_ = ComponentLdl(S);
+  heldGram_ = C * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).asDiagonal() * Matrix(C.transpose());
+  factor_ = ComponentLdl(heldGram_);
 }
 
 // Rows of held couplings here, and where their factors are.
@@ -323,7 +328,7 @@ void CouplingGram::addNodes(const std::vector<int>& holders, const Held& held, H
 
 // As `addDiagonals`.
 void CouplingGram::setHeldDiagonals() {
-  Eigen::VectorXd inverse = heldDiagonal_;
+  Eigen::VectorXd inverse = heldGram_.diagonal();
   for (auto& value : inverse) value = value > 0 ? 1 / value : 0.0;
   Eigen::VectorXd held(turn_.cols() + heldC_.cols());
   held << turn_.cwiseAbs2().transpose() * inverse, heldC_.cwiseAbs2().transpose() * inverse;
@@ -332,6 +337,19 @@ void CouplingGram::setHeldDiagonals() {
   transfer_.scatter(held, own);
   rowDiagonal_ = own.col(0).head(rowDiagonal_.size());
   nodeDiagonal_ = own.col(0).tail(nodeDiagonal_.size());
+}
+
+std::vector<CouplingGram::Entry> CouplingGram::entries(const Eigen::VectorXd& numbers) const {
+  std::vector<Entry> entries;
+  const auto append = [&entries](const auto& S, const Eigen::VectorXd& numberOf) {
+    using Sparse = std::decay_t<decltype(S)>;
+    for (Eigen::Index outer = 0; outer < S.outerSize(); ++outer)
+      for (typename Sparse::InnerIterator it(S, outer); it; ++it)
+        if (numberOf[it.row()] >= 0 && numberOf[it.col()] >= 0) entries.push_back({int(numberOf[it.row()]), int(numberOf[it.col()]), it.value()});
+  };
+  append(gram_, numbers);
+  if (isAnyHeld_) append(Matrix(turn_.transpose() * heldGram_ * turn_), rowTransfer_.gather(numbers).col(0));
+  return entries;
 }
 
 // Y = S^-1 X: small groups by their inverses, held ones as T^T S^-1 T X, T the turn to global axes.

@@ -26,6 +26,12 @@ class CouplingGram {
   const std::vector<int>& rows() const { return rows_; }    ///< owned rows of pairs, ascending
   const std::vector<int>& nodes() const { return nodes_; }  ///< positions in MultiplierMap::nodeRows that pairs act on, with gluing rows
 
+  struct Entry {
+    int row, column;
+    double value;
+  };
+  /// \brief Entries of S that this rank has, by other numbers.  \param numbers [rows()] of this rank's, -1: left out.  Collective.
+  std::vector<Entry> entries(const Eigen::VectorXd& numbers) const;
   /// \brief S^-1 X, [rows() x any].  Collective where rows meet across ranks.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& X) const;
   /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows() x any], z [3 nodes() x any].  Collective where rows meet across ranks.
@@ -65,11 +71,11 @@ class CouplingGram {
   const MultiplierMap& multipliers_;
   bool stiffnessScaling_;
   std::vector<int> rows_, nodes_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> inverse_, C_;  // of the groups that are inverted
+  Eigen::SparseMatrix<double, Eigen::RowMajor> gram_, inverse_, C_;  // of the groups that are inverted
   bool isAnyHeld_ = false;                                    // on any rank
   HolderTransfer rowTransfer_, transfer_;
   Matrix turn_, heldC_;  // [unknowns x held rows], [unknowns x 3 held nodes]
-  Eigen::VectorXd heldDiagonal_;
+  Matrix heldGram_;  // [unknowns]^2
   ComponentLdl factor_;
   Eigen::VectorXd rowDiagonal_, nodeDiagonal_;
 };

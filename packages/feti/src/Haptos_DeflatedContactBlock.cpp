@@ -3,10 +3,12 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <cmath>
 #include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 
@@ -29,6 +31,49 @@ void DeflatedContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::
   const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
   if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), Y.col(0));
   else Y.noalias() -= W_ * (alpha * g);
+}
+
+namespace {
+
+// G^-1 A G^-1, rows of G that depend on others left out
+Eigen::MatrixXd betweenInverses(Eigen::MatrixXd G, const Eigen::MatrixXd& A) {
+  constexpr double kDependent = 1e-10;
+  Eigen::VectorXd d = G.diagonal();
+  for (double& value : d) value = value > 0 ? 1 / std::sqrt(value) : 0.0;
+  const PivotedCholesky factor(d.asDiagonal() * G * d.asDiagonal(), kDependent);
+  const Eigen::MatrixXd half = factor.solve(d.asDiagonal() * A * d.asDiagonal()), whole = factor.solve(half.transpose());
+  return d.asDiagonal() * (0.5 * (whole + whole.transpose())) * d.asDiagonal();
+}
+
+}  // namespace
+
+// B W S Z of the rows, from B_D S Z by their Gram matrix.
+std::vector<Eigen::MatrixXd> DeflatedContactBlock::ofGroups(const std::vector<std::vector<int>>& groups) const {
+  const auto& comm = *getRangeMap()->getComm();
+  const ContactBlock::Columns spreads = block_.spreads(), G = block_.gram();
+  const int before = sumOfLower(comm, int(W_.rows()));
+  Eigen::MatrixXd GW = Eigen::MatrixXd::Zero(G.rows(), W_.cols());
+  GW.middleRows(before, W_.rows()) = W_;
+  GW = G * sumOfAll(comm, GW);
+  std::vector<Eigen::MatrixXd> result;
+  for (std::vector<int> given : groups) {
+    for (int& row : given) row = row < 0 ? -1 : before + row;
+    given = gatheredOnAll(comm, given);
+    std::vector<int> rows, places;
+    for (std::size_t i = 0; i < given.size(); ++i)
+      if (given[i] >= 0) rows.push_back(given[i]), places.push_back(int(i));
+    const Eigen::Index n = Eigen::Index(rows.size());
+    Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n), Gram(n, n);
+    block_.addEnergies(spreads, rows, A);
+    A = sumOfAll(comm, A);
+    const Eigen::MatrixXd part = GW(rows, Eigen::all);
+    A.noalias() -= part * part.transpose();
+    for (Eigen::Index j = 0; j < n; ++j)
+      for (Eigen::Index i = 0; i < n; ++i) Gram(i, j) = G.coeff(rows[std::size_t(i)], rows[std::size_t(j)]);
+    Eigen::MatrixXd& M = result.emplace_back(Eigen::MatrixXd::Zero(Eigen::Index(given.size()), Eigen::Index(given.size())));
+    M(places, places) = betweenInverses(std::move(Gram), A);
+  }
+  return result;
 }
 
 }  // namespace Haptos

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Eigen/Core>
+#include <vector>
 
 #include "Haptos_ContactBlock.hpp"
 
@@ -21,6 +22,13 @@ class DeflatedContactBlock final : public Operator {
   double entriesRead() const { return block_.entriesRead() + 2 * double(W_.size()); }  ///< of this rank
   /// Collective: as `ContactBlock`, and one sum.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0, double beta = 0.0) const override;
+
+  /// \brief What M_Z would be if the contact rows of a group were all there are, for one group after another.
+  ///
+  /// Their Gram matrix is that of the group: between all rows its inverse has entries everywhere, and M_Z of a group would cost its products.
+  /// \param groups [groups] positions of this rank's rows among `contactMap`, -1: none, with a row and column of zeros
+  /// \return [groups] of all ranks' rows, rank after rank, the same on all.  Collective.
+  std::vector<Eigen::MatrixXd> ofGroups(const std::vector<std::vector<int>>& groups) const;
 
  private:
   Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const;

@@ -328,8 +328,15 @@ DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
   const auto& comm = *getRangeMap()->getComm();
   const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
   if (anyOfAll(comm, isSlender)) return {};
-  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, rootOfDeflation(rowsOfBCZ(base_->jump().multipliers().contactRows()))));
-  return {block, sumOfAll(comm, block->entriesRead())};
+  const std::vector<int>& contact = base_->jump().multipliers().contactRows();
+  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, rootOfDeflation(rowsOfBCZ(contact))));
+  const auto ofGroups = [block, contact](std::vector<std::vector<int>> groups) {
+    for (auto& rows : groups)
+      for (int& row : rows)
+        if (row >= 0) row = int(std::lower_bound(contact.begin(), contact.end(), row) - contact.begin());
+    return block->ofGroups(groups);
+  };
+  return {block, sumOfAll(comm, block->entriesRead()), ofGroups};
 }
 
 // W with W W^T = Y K^+ Y^T, of as few columns as are needed: motions without contact have nothing in Y.  Between the others K^+ is C^T C, and

@@ -66,6 +66,13 @@ TEUCHOS_UNIT_TEST(CompactRows, SpreadsAsTheDenseMatrix) {
   });
   TEST_ASSERT(compact.dealt.mine.empty() || expected.norm() > 0);
   TEST_COMPARE((compact.rows->spread(x) - expected).norm(), <=, 1e-14 * (1 + expected.norm()));
+  Dense two(x.size(), 2), both(expected.size(), 2);
+  two << x, -2 * x;
+  both << expected, -2 * expected;
+  TEST_COMPARE((compact.rows->spread(two) - both).norm(), <=, 1e-14 * (1 + both.norm()));
+  const Dense units = compact.rows->spreads(Eigen::VectorXd::Constant(x.size(), 1), 2);  // all rows in one column
+  TEST_COMPARE(units.col(0).norm(), ==, 0.0);
+  TEST_COMPARE((units.col(1) - compact.rows->spread(Eigen::VectorXd::Ones(x.size()))).norm(), <=, 1e-14 * (1 + units.norm()));
 }
 
 TEUCHOS_UNIT_TEST(CompactRows, CollectsFromAllRanks) {
@@ -80,5 +87,9 @@ TEUCHOS_UNIT_TEST(CompactRows, CollectsFromAllRanks) {
   });
   TEST_ASSERT(all.norm() > 0);
   const Eigen::VectorXd y = compact.rows->collect(t);
+  Dense two(t.size(), 2);
+  two << t, 3 * t;
+  const Dense both = compact.rows->collect(two);
+  TEST_COMPARE((both.col(0) - y).norm() + (both.col(1) - 3 * y).norm(), <=, 1e-14 * all.norm());
   for (Eigen::Index i = 0; i < y.size(); ++i) TEST_COMPARE(std::abs(y[i] - all[compact.global(std::size_t(i))]), <=, 1e-14 * all.norm());
 }

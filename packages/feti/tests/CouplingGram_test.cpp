@@ -10,7 +10,10 @@
 
 #include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
+#include "Haptos_DeflatedContactBlock.hpp"
 #include "Haptos_PanelJumps.hpp"
+#include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_RowGram.hpp"
 #include "Haptos_SparseLdl.hpp"
 
@@ -126,6 +129,45 @@ void comparePanels(const DualPreconditioner& M, Teuchos::FancyOStream& out, bool
   TEST_COMPARE(largestDifference(*vectorsOf(M, jumps, t), spread), <=, 1e-12);
 }
 
+// S from its entries is what is solved with: S S^-1 S x = S x, some rows depending on others.
+void compareEntries(const Feti& feti, Teuchos::FancyOStream& out, bool& success) {
+  const CouplingGram gram(feti.dealt.jump->multipliers(), true);
+  const auto& map = *feti.map();
+  const auto rows = Eigen::Index(gram.rows().size());
+  Eigen::VectorXd numbers(rows);
+  for (Eigen::Index i = 0; i < rows; ++i) numbers[i] = double(map.getGlobalElement(gram.rows()[std::size_t(i)]));
+  Dense S = Dense::Zero(Eigen::Index(map.getGlobalNumElements()), Eigen::Index(map.getGlobalNumElements()));
+  for (const auto& entry : gram.entries(numbers)) S(entry.row, entry.column) += entry.value;
+  S = sumOfAll(*map.getComm(), S);
+  TEST_ASSERT(largest(S - S.transpose()) < kRoundOff * largest(S));
+  const Dense SX = S * someColumns(S.rows(), 2);
+  Dense mine(rows, 2), Y = Dense::Zero(S.rows(), 2);
+  for (Eigen::Index i = 0; i < rows; ++i) mine.row(i) = SX.row(Eigen::Index(numbers[i]));
+  mine = gram.solve(mine);
+  for (Eigen::Index i = 0; i < rows; ++i) Y.row(Eigen::Index(numbers[i])) = mine.row(i);
+  TEST_ASSERT(largest(S * sumOfAll(*map.getComm(), Y) - SX) < kRoundOff * largest(SX));
+  TEST_ASSERT(gram.entries(Eigen::VectorXd::Constant(rows, -1)).empty());
+}
+
+// All contact rows as one group are M between them, where no tied rows couple them; a row that is not there has nothing.
+void compareGroups(const Scene& scene, const RCP<const DualPreconditioner>& M, const Dense& between, Teuchos::FancyOStream& out, bool& success) {
+  for (const RowKind kind : scene.rows.kinds)
+    if (kind == RowKind::Tied) return;
+  const std::vector<int>& contact = M->jump().multipliers().contactRows();
+  std::vector<int> positions(contact.size() + 1, -1);
+  std::iota(positions.begin() + 1, positions.end(), 0);
+  const auto groups = DeflatedContactBlock(M, Dense(Eigen::Index(contact.size()), 0)).ofGroups({positions});
+  std::vector<int> global{-1};
+  for (int row : contact) global.push_back(int(M->getDomainMap()->getGlobalElement(row)));
+  global = gatheredOnAll(*M->getDomainMap()->getComm(), global);
+  TEST_EQUALITY(groups[0].rows(), Eigen::Index(global.size()));
+  for (std::size_t i = 0; i < global.size(); ++i)
+    for (std::size_t j = 0; j < global.size(); ++j) {
+      const double wanted = global[i] < 0 || global[j] < 0 ? 0.0 : between(global[i], global[j]);
+      TEST_ASSERT(std::abs(groups[0](Eigen::Index(i), Eigen::Index(j)) - wanted) < kRoundOff * largest(between));
+    }
+}
+
 // What holds for B W B^T, M, its contact rows and its contact block.
 void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& success) {
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
@@ -157,6 +199,8 @@ void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& succ
   TEST_ASSERT(largest(denseOf(*block) - between) < kRoundOff * largest(reference));
   TEST_ASSERT(largest(denseOf(ContactRows(M, block)) - rows) < kRoundOff * largest(reference));
   comparePanels(*M, out, success);
+  compareEntries(feti, out, success);
+  compareGroups(scene, M, between, out, success);
   const Eigen::VectorXd diagonal = gathered(*M->diagonal());
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
     if (!scene.rows.pinned[std::size_t(i)]) TEST_ASSERT(diagonal[i] > 0.05 * reference(i, i) && diagonal[i] < 20 * reference(i, i));

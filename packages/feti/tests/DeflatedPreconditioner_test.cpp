@@ -7,6 +7,7 @@
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SoftModes.hpp"
 #include "HeldBeams.hpp"
 
@@ -102,6 +103,28 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
         TEST_ASSERT(std::abs(between(i, j) - Z(i, j)) <= 1e-10 * largest(Z));
       }
     TEST_ASSERT(compared > 0);
+  }
+}
+
+// Pairs of nodes do not meet, so groups of them have what M_Z has between their rows.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, GroupsOfContactRows) {
+  const Setup t(1.0);
+  const auto& map = *t.feti.map();
+  std::vector<std::vector<int>> groups(3);
+  for (const LocalPair& pair : t.feti.dealt.jump->multipliers().pairs())
+    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]}) groups[std::size_t(map.getGlobalElement(pair.normal)) % 3].push_back(row);
+  const auto M = t.deflated->contactBlock().ofGroups(groups);
+  const Dense Z = denseOf(*t.deflated);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    std::vector<int> rows;
+    for (int row : groups[g]) rows.push_back(row < 0 ? -1 : int(map.getGlobalElement(row)));
+    rows = gatheredOnAll(*map.getComm(), rows);
+    TEST_EQUALITY(M[g].rows(), Eigen::Index(rows.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i)
+      for (std::size_t j = 0; j < rows.size(); ++j) {
+        const double wanted = rows[i] < 0 || rows[j] < 0 ? 0.0 : Z(rows[i], rows[j]);
+        TEST_ASSERT(std::abs(M[g](Eigen::Index(i), Eigen::Index(j)) - wanted) <= 1e-10 * largest(Z));
+      }
   }
 }
 

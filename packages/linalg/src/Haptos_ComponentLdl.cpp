@@ -38,9 +38,10 @@ ComponentLdl::ComponentLdl(const Eigen::SparseMatrix<double>& S)
 
 // X row by row is one of three times the columns, a row for each node.
 Eigen::MatrixXd ComponentLdl::solve(const Eigen::MatrixXd& X) const {
-  SparseLdl::Rows Y = X;
-  if (Y.size() == 0) return X;
-  Eigen::Map<SparseLdl::Rows> nodes(Y.data(), Y.rows() / numComponents_, numComponents_ * Y.cols());
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  if (X.size() == 0 || !isShared()) return X.size() == 0 ? X : factor_.solve(X);
+  Rows Y = X;
+  Eigen::Map<Rows> nodes(Y.data(), Y.rows() / numComponents_, numComponents_ * Y.cols());
   nodes = factor_.solve(nodes);
   return Y;
 }

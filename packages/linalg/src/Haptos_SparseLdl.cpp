@@ -2,6 +2,7 @@
 #include "Haptos_SparseLdl.hpp"
 
 #include <Teuchos_Assert.hpp>
+#include <algorithm>
 
 namespace Haptos {
 namespace {
@@ -21,7 +22,7 @@ void forEachAbove(const Matrix& A, int k, Visit&& visit) {
 
 SparseLdl::SparseLdl(const Matrix& A) {
   TEUCHOS_ASSERT(A.rows() == A.cols());
-  // Few entries a row, some thousand rows: minimum degree, no supernodes.
+  // Few entries a row, some thousand rows: minimum degree.
   Eigen::AMDOrdering<int> ordering;
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> toOld;
   ordering(A, toOld);
@@ -30,6 +31,7 @@ SparseLdl::SparseLdl(const Matrix& A) {
   permuted = A.twistedBy(order_);
   findPattern(permuted);
   factor(permuted);
+  findPanels();
 }
 
 // Row k of L has the nodes on the paths of the tree from the entries of A's column k up to k.
@@ -91,27 +93,79 @@ void SparseLdl::factor(const Matrix& A) {
   }
 }
 
-// X := L^-T D^-1 L^-1 X
-template <int Width>
-void SparseLdl::solvePermuted(Rows& X) const {
-  using Row = Eigen::Map<Eigen::Matrix<double, 1, Width>>;
-  const Eigen::Index width = X.cols();
-  const auto row = [&](auto i) { return Row(X.data() + Eigen::Index(i) * width, width); };
-  const std::size_t n = inversePivots_.size();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto xi = row(i);
-    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) row(rows_[p]) -= values_[p] * xi;
+// Columns one after the other whose rows are those of the last one, but for some zeros, are kept side by side: each row is then met once for all of
+// them, and without a list.  As each is the parent of the one before, its rows are among those of the next.
+void SparseLdl::findPanels() {
+  constexpr double kZeros = 1.3;  // entries kept, of those there are
+  const int n = int(parent_.size());
+  const auto count = [this](int j) { return start_[std::size_t(j) + 1] - start_[std::size_t(j)]; };
+  std::size_t size = 0;
+  for (int first = 0, next = 0; first < n; first = next) {
+    std::size_t entries = count(first), width = 1;
+    for (next = first + 1; next < n && parent_[std::size_t(next) - 1] == next; ++next, ++width) {
+      const std::size_t kept = width * (width + 1) / 2 + (width + 1) * count(next), there = entries + count(next);
+      if (double(kept) > kZeros * double(there) + 4) break;
+      entries = there;
+    }
+    panels_.push_back({first, int(width), start_[std::size_t(next) - 1], int(count(next - 1)), size});
+    size += width * (width + count(next - 1));
   }
-  for (std::size_t i = 0; i < n; ++i) row(i) *= inversePivots_[i];
-  for (std::size_t i = n; i-- > 0;) {
-    auto xi = row(i);
-    for (std::size_t p = start_[i]; p < start_[i + 1]; ++p) xi -= values_[p] * row(rows_[p]);
+  std::vector<double> values(size, 0.0);
+  for (const Panel& panel : panels_) {
+    Eigen::Map<Eigen::MatrixXd> L(values.data() + panel.values, panel.width + panel.numRows, panel.width);
+    const int *rows = rows_.data() + panel.rows, *end = rows + panel.numRows;
+    for (int k = 0; k < panel.width; ++k)
+      for (std::size_t p = start_[std::size_t(panel.first + k)]; p < start_[std::size_t(panel.first + k) + 1]; ++p) {
+        const int row = rows_[p] - panel.first;
+        L(row < panel.width ? row : panel.width + int(std::lower_bound(rows, end, rows_[p]) - rows), k) = values_[p];
+      }
+    mostRows_ = std::max(mostRows_, panel.numRows);
+  }
+  values_ = std::move(values);
+}
+
+// X := L^-T D^-1 L^-1 X, panel by panel
+template <int Width>
+void SparseLdl::solvePermuted(Eigen::MatrixXd& all) const {
+  using Columns = Eigen::Matrix<double, Eigen::Dynamic, Width>;
+  Eigen::Map<Columns> X(all.data(), all.rows(), all.cols());
+  Columns below(mostRows_, X.cols());
+  const auto partOf = [&](const Panel& panel) { return Eigen::Map<const Eigen::MatrixXd>(values_.data() + panel.values, panel.width + panel.numRows, panel.width); };
+  for (const Panel& panel : panels_) {
+    const auto L = partOf(panel);
+    auto x = X.middleRows(panel.first, panel.width);
+    for (int k = 0; k + 1 < panel.width; ++k)
+      x.bottomRows(panel.width - k - 1).noalias() -= L.col(k).segment(k + 1, panel.width - k - 1).lazyProduct(x.row(k));
+    if (panel.numRows == 0) continue;
+    auto b = below.topRows(panel.numRows);
+    if constexpr (Width == Eigen::Dynamic) b.noalias() = L.bottomRows(panel.numRows) * x;
+    else b.noalias() = L.bottomRows(panel.numRows).lazyProduct(x);
+    const int* rows = rows_.data() + panel.rows;
+    for (Eigen::Index v = 0; v < X.cols(); ++v)
+      for (int i = 0; i < panel.numRows; ++i) X(rows[i], v) -= b(i, v);
+  }
+  X = Eigen::Map<const Eigen::VectorXd>(inversePivots_.data(), X.rows()).asDiagonal() * X;
+  for (auto panel = panels_.rbegin(); panel != panels_.rend(); ++panel) {
+    const auto L = partOf(*panel);
+    auto x = X.middleRows(panel->first, panel->width);
+    if (panel->numRows > 0) {
+      auto b = below.topRows(panel->numRows);
+      const int* rows = rows_.data() + panel->rows;
+      for (Eigen::Index v = 0; v < X.cols(); ++v)
+        for (int i = 0; i < panel->numRows; ++i) b(i, v) = X(rows[i], v);
+      if constexpr (Width == Eigen::Dynamic) x.noalias() -= L.bottomRows(panel->numRows).transpose() * b;
+      else x.noalias() -= L.bottomRows(panel->numRows).transpose().lazyProduct(b);
+    }
+    for (int k = panel->width - 1; k-- > 0;) {
+      const auto below_k = L.col(k).segment(k + 1, panel->width - k - 1);
+      x.row(k).noalias() -= below_k.transpose().lazyProduct(x.bottomRows(panel->width - k - 1));
+    }
   }
 }
 
-SparseLdl::Rows SparseLdl::solve(const Eigen::Ref<const Rows>& B) const {
+Eigen::MatrixXd SparseLdl::solve(const Eigen::MatrixXd& B) const {
   if (B.isZero(0)) return B;  // most motions have nothing where rows couple
-  Rows X = order_ * B;
+  Eigen::MatrixXd X = order_ * B;
   if (X.cols() == 1) solvePermuted<1>(X);
   else if (X.cols() == 3) solvePermuted<3>(X);
   else solvePermuted<Eigen::Dynamic>(X);

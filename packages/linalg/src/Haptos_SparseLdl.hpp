@@ -15,24 +15,33 @@ class SparseLdl {
   SparseLdl() = default;
   explicit SparseLdl(const Eigen::SparseMatrix<double>& A);
 
-  /// [size x any], row by row: an entry of the factor is read once for all right-hand sides.
-  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   /// \brief A^-1 B [size x any].
-  Rows solve(const Eigen::Ref<const Rows>& B) const;
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   Eigen::Index size() const { return order_.size(); }
   int numDropped() const { return numDropped_; }  ///< empty rows do not count
 
  private:
   void findPattern(const Eigen::SparseMatrix<double>& A);
   void factor(const Eigen::SparseMatrix<double>& A);
+  void findPanels();
   template <int Width>
-  void solvePermuted(Rows& X) const;
+  void solvePermuted(Eigen::MatrixXd& X) const;
+
+  // Columns side by side, [width + rows x width] by columns, with what L has of the rows below them.
+  struct Panel {
+    int first, width;
+    std::size_t rows;  // begin in rows_
+    int numRows;
+    std::size_t values;  // begin in values_
+  };
 
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order_;
   std::vector<int> parent_;         // elimination tree
   std::vector<std::size_t> start_;  // [n + 1] columns of L below the diagonal
   std::vector<int> rows_;
-  std::vector<double> values_, inversePivots_;
+  std::vector<double> values_, inversePivots_;  // of L by columns, then by panels
+  std::vector<Panel> panels_;
+  int mostRows_ = 0;
   int numDropped_ = 0;
 };
 

@@ -85,7 +85,7 @@ struct CondensedContact::Model {
     std::vector<double> norms{point.norm};
     while (point.norm > target && mayGoOn(norms, patience)) {
       const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
-      if (!std::isfinite(M.vectors().norm(d))) break;
+      if (const double length = M.vectors().norm(d); !std::isfinite(length) || length == 0) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
       const Point whole = along(1);
       Point next = whole;  // the least residual of all trials, where none descends enough

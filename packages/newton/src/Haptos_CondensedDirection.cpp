@@ -15,11 +15,28 @@ RCP<const Operator> contactRowsOf(const ContactOperators::Deflated& deflated, co
 }
 
 // Rows of the contact values in their order, three a pair.
-std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
-  if (!deflated.between || !deflated.contactM.is_null()) return {};
+std::vector<int> rowsOfValues(const std::vector<PairLaw>& pairs) {
   std::vector<int> rows;
   for (const PairLaw& pair : pairs) rows.insert(rows.end(), {pair.normal, pair.tangential[0], pair.tangential[1]});
-  return [between = deflated.between, rows] { return between(rows); };
+  return rows;
+}
+
+std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
+  if (!deflated.between || !deflated.contactM.is_null()) return {};
+  return [between = deflated.between, rows = rowsOfValues(pairs)] { return between(rows); };
+}
+
+std::function<SchwarzPreconditioner::Groups()> groupsOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
+  if (!deflated.groups || !deflated.ofGroups) return {};
+  return [find = deflated.groups, ofGroups = deflated.ofGroups, all = rowsOfValues(pairs)] {
+    SchwarzPreconditioner::Groups groups{find(), {}};
+    std::vector<std::vector<int>> rows(groups.members.size());
+    for (std::size_t g = 0; g < rows.size(); ++g)
+      for (const int pair : groups.members[g].pairs)
+        rows[g].insert(rows[g].end(), all.begin() + 3 * pair, all.begin() + 3 * pair + 3);
+    groups.M = ofGroups(rows);
+    return groups;
+  };
 }
 
 SubspaceNewtonOptions::Condensed forSubdomains(SubspaceNewtonOptions::Condensed options, bool slender) {
@@ -35,7 +52,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
       matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps,
-               deflated.entriesRead}, balance.vectors(),
+               deflated.entriesRead, groupsOf(deflated, dual.pairs)}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(options.penalty * without),

@@ -11,8 +11,9 @@ Eigen::MatrixXd basisOf(const DualVectors& vectors, const Eigen::MatrixXd& Y) {
   constexpr double kNothing = 1e-10;  // of the largest square
   Eigen::MatrixXd gram = Y.transpose() * Y;
   vectors.sum(gram);
+  if (gram.size() == 0) return gram;
   const SymmetricEigen eigen(gram);
-  const Eigen::Index rank = gram.size() == 0 ? 0 : (eigen.values.array() > kNothing * eigen.values.maxCoeff()).count();
+  const Eigen::Index rank = (eigen.values.array() > kNothing * eigen.values.maxCoeff()).count();
   return eigen.vectors.rightCols(rank) * eigen.values.tail(rank).cwiseSqrt().cwiseInverse().asDiagonal();
 }
 
@@ -57,17 +58,13 @@ void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {
   known.images.rightCols(good) = GQ * T;
 }
 
-TwoLevelPreconditioner::TwoLevelPreconditioner(const ContactCoarse& coarse, ContactCoarse::Product M)
-    : coarse_(coarse), M_(std::move(M)) {}
-
 // Z is what takes products.  Any is good that is about what the law lets of Q.
-void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, ContactCoarse::Blocks inverse) {
+void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, const ContactCoarse::Blocks& inverse) {
   constexpr double kFew = 0.05;  // of the pairs
   ContactCoarse::Blocks free;
   const Eigen::VectorXd& D = coarse_.diagonal();
   const DualVectors& vectors = coarse_.vectors();
-  inverse_ = std::move(inverse);
-  for (std::size_t i = 0; i < A.size(); ++i) free.push_back(inverse_[i] * A[i] * D.segment<3>(3 * Eigen::Index(i)).asDiagonal());
+  for (std::size_t i = 0; i < A.size(); ++i) free.push_back(inverse[i] * A[i] * D.segment<3>(3 * Eigen::Index(i)).asDiagonal());
   Eigen::Vector2d changed(isMade_ ? double(numChanged(free_, free)) : 0.0, double(free.size()));
   vectors.sum(changed);
   if (!isMade_ || changed[0] > kFew * changed[1]) {
@@ -77,7 +74,7 @@ void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const Contact
     MZ_ = M_(Z_);
     free_ = std::move(free);
   }
-  step_ = multiplyBlocks(inverse_, Eigen::MatrixXd(multiplyBlocks(A, MZ_) + multiplyBlocks(B, Z_)));
+  step_ = first_(multiplyBlocks(A, MZ_) + multiplyBlocks(B, Z_));
   Eigen::MatrixXd C = Z_.transpose() * (D.asDiagonal() * step_);
   vectors.sum(C);
   factor_ = DenseFactor(std::move(C), DenseFactor::Kind::Lu);
@@ -85,8 +82,7 @@ void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const Contact
 }
 
 Eigen::VectorXd TwoLevelPreconditioner::apply(const Eigen::VectorXd& r) const {
-  Eigen::VectorXd z = multiplyBlocks(inverse_, r);
-  Eigen::VectorXd y = Eigen::VectorXd::Zero(Z_.cols());
+  Eigen::VectorXd z = first_(r), y = Eigen::VectorXd::Zero(Z_.cols());
   addTransposedProduct(1, Z_, coarse_.diagonal().cwiseProduct(z), y);
   coarse_.vectors().sum(y);
   addProduct(1, step_, factor_.solve(y), z);

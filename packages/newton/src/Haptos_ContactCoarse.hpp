@@ -45,27 +45,29 @@ class ContactCoarse {
 
 /// \brief Preconditioner of G = A M + B on two levels, by Galerkin's method in what pairs solve by themselves:
 ///
-///   P r = z + (Z - P_1 G Z) C^-1 R^T z,   z = P_1 r,   P_1 = (A D + B)^-1,   Z = P_1 A D Q,   R = D Z,   C = R^T P_1 G Z,
+///   P r = z + (Z - P_1 G Z) C^-1 R^T z,   z = P_1 r,   Z = (A D + B)^-1 A D Q,   R = D Z,   C = R^T P_1 G Z,
 ///
-/// D the diagonal.  Z is what the law lets of the coarse jumps: nothing of those of pairs that stick.  Source of the form: Tang, Nabben, Vuik, Erlangga,
-/// J. Sci. Comput. 39 (2009) 340 (A-DEF2).
+/// D the diagonal, P_1 the first level (`SchwarzPreconditioner`).  Z is what the law lets of the coarse jumps: nothing of those of pairs that stick.
+/// Source of the form: Tang, Nabben, Vuik, Erlangga, J. Sci. Comput. 39 (2009) 340 (A-DEF2).
 class TwoLevelPreconditioner {
  public:
+  using Level = std::function<Eigen::MatrixXd(const Eigen::MatrixXd&)>;
   /// \param coarse stays with the caller
-  TwoLevelPreconditioner(const ContactCoarse& coarse, ContactCoarse::Product M);
+  TwoLevelPreconditioner(const ContactCoarse& coarse, ContactCoarse::Product M, Level first) : coarse_(coarse), M_(std::move(M)), first_(std::move(first)) {}
 
-  /// \brief For another system; products with M are made where many pairs have changed.  \param inverse P_1.  Collective.
-  void renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, ContactCoarse::Blocks inverse);
+  /// \brief For another system and its P_1; products with M are made where many pairs have changed.  \param inverse (A D + B)^-1.  Collective.
+  void renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, const ContactCoarse::Blocks& inverse);
 
-  Eigen::VectorXd apply(const Eigen::VectorXd& r) const;  ///< Collective: one reduction
+  Eigen::VectorXd apply(const Eigen::VectorXd& r) const;  ///< Collective: one reduction, and what P_1 has
 
  private:
   const ContactCoarse& coarse_;
   ContactCoarse::Product M_;
-  bool isMade_ = false;                   // Z, by products with M
-  ContactCoarse::Blocks inverse_, free_;  // P_1; P_1 A D that Z was made with
-  Eigen::MatrixXd Z_, MZ_, step_;         // step: Z - P_1 G Z
-  DenseFactor factor_;                    // of C
+  Level first_;                  // P_1
+  bool isMade_ = false;          // Z, by products with M
+  ContactCoarse::Blocks free_;   // (A D + B)^-1 A D that Z was made with
+  Eigen::MatrixXd Z_, MZ_, step_;  // step: Z - P_1 G Z
+  DenseFactor factor_;           // of C
 };
 
 }  // namespace Haptos

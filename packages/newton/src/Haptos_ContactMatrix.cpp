@@ -43,20 +43,20 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
     : M_(std::move(parts.M)),
       makeWhole_(std::move(parts.dense)),
       makeSmooth_(std::move(parts.smooth)),
+      findGroups_(std::move(parts.groups)),
       vectors_(vectors),
+      numbering_(vectors),
       diagonal_(std::move(parts.diagonal)),
       kernel_(std::move(parts.kernel)),
       kind_(kind),
-      options_(options) {
+      options_(options),
+      first_(numbering_.first()),
+      size_(numbering_.size()) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
-  const Eigen::Index mine = 3 * vectors.numPairs();
-  Eigen::Index end = 0;
-  Teuchos::scan(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(end));
-  Teuchos::reduceAll(vectors.comm(), Teuchos::REDUCE_SUM, mine, Teuchos::outArg(size_));
-  first_ = end - mine;
-  const double n = double(size_), product = parts.entriesRead > 0 ? parts.entriesRead : n * n;
-  productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * product) : 0.0;
+  const double n = double(size_);
+  entriesRead_ = parts.entriesRead > 0 ? parts.entriesRead : n * n;
+  productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * entriesRead_) : 0.0;
   const double perEntry = n > options.rowsInCache ? options.readFromMemory : 1.0;
   isCheaperDense_ = 2 * parts.entriesRead > perEntry * n * n;
   if (kind == Kind::Dense) makeDirect();
@@ -76,7 +76,7 @@ Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::fu
 
 // Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
 Eigen::MatrixXd ContactMatrix::byColumns() const {
-  const Eigen::Index mine = 3 * vectors_.numPairs();
+  const Eigen::Index mine = numbering_.mine();
   return onAllRanks(multiplyColumns(size_, [&](Eigen::Index j, Eigen::Index width) {
     Eigen::MatrixXd units = Eigen::MatrixXd::Zero(mine, width);
     for (Eigen::Index k = 0; k < width; ++k)
@@ -93,6 +93,7 @@ void ContactMatrix::scale(double factor) {
   last_.reset();
   twoLevel_.reset();
   coarse_.reset();
+  groups_.reset();
 }
 
 // Motions of the kernel are solved for by themselves.
@@ -101,7 +102,8 @@ void ContactMatrix::makeCoarse() const {
     return multiplyColumns(X.cols(), [&X](Eigen::Index j, Eigen::Index width) -> Eigen::MatrixXd { return X.middleCols(j, width); });
   };
   coarse_ = std::make_unique<const ContactCoarse>(vectors_, makeSmooth_(), diagonal_, kernel_, M);
-  twoLevel_ = std::make_unique<TwoLevelPreconditioner>(*coarse_, M);
+  twoLevel_ = std::make_unique<TwoLevelPreconditioner>(*coarse_, M, [this](const Eigen::MatrixXd& X) { return groups_->apply(X); });
+  isCoarseReady_ = false;
 }
 
 // For factors.  What was made for products has not the digits of what is made whole.
@@ -126,14 +128,6 @@ void ContactMatrix::keepDense(const Eigen::MatrixXd& matrix) const {
   dense_ += N * (N.transpose() * MN) * N.transpose() - N * MN.transpose() - MN * N.transpose();
 }
 
-// Every rank's rows, in the order of the ranks, by one sum of numbers that are 0 elsewhere.
-Eigen::MatrixXd ContactMatrix::onAllRanks(const Eigen::MatrixXd& mine) const {
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size_, mine.cols());
-  all.middleRows(first_, mine.rows()) = mine;
-  vectors_.sum(all);
-  return all;
-}
-
 Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   if (dense_.size() == 0) return scaling_ * vectors_.applyOnContact(*M_, x);
   Eigen::VectorXd all = onAllRanks(x);
@@ -146,38 +140,71 @@ Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eig
   return withoutFree(B, solveAny(A, B, b, tolerance));
 }
 
-// Motions of the kernel that B does not feel either (a coefficient 0) stay where they are: a solution may have any of them.
+// Of the kernel, that B does not feel either (a coefficient 0, open pairs).
+Eigen::MatrixXd ContactMatrix::freeMotions(const Blocks& B) const {
+  if (kernel_.cols() == 0) return Eigen::MatrixXd(kernel_.rows(), 0);
+  return kernel_ * MotionsOfB(stackedQr(vectors_.comm(), multiplyBlocks(B, kernel_))).free;
+}
+
+// They stay where they are: a solution may have any of them.
 Eigen::VectorXd ContactMatrix::withoutFree(const Blocks& B, Eigen::VectorXd d) const {
-  if (kernel_.cols() == 0) return d;
-  const MotionsOfB motions(stackedQr(vectors_.comm(), multiplyBlocks(B, kernel_)));
-  if (motions.free.cols() > 0) d -= partIn(kernel_ * motions.free, d);
+  const Eigen::MatrixXd motions = freeMotions(B);
+  if (motions.cols() > 0) d -= partIn(motions, d);
   return d;
 }
 
+// b without what no solution can give, where motions N are free: Y with A^T Y = N and B^T Y = 0 has Y^T (A M + B) = N^T M = 0.  Krylov methods end
+// by their bound with it, and least squares take as much.
+Eigen::VectorXd ContactMatrix::consistentPart(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+  constexpr double kNothing = 1e-8;
+  const Eigen::MatrixXd N = freeMotions(B);
+  if (N.cols() == 0) return b;
+  Eigen::MatrixXd Y(N.rows(), N.cols());
+  Eigen::Vector4d sums = Eigen::Vector4d::Zero();  // squares of A^T Y - N, N, B^T Y, Y
+  for (Eigen::Index at = 0; at < N.rows(); at += 3) {
+    const Eigen::Matrix3d &Ai = A[std::size_t(at / 3)], &Bi = B[std::size_t(at / 3)];
+    const Eigen::MatrixXd Ni = N.middleRows<3>(at);
+    for (Eigen::Index j = 0; j < N.cols(); ++j) Y.col(j).segment<3>(at) = solveLeastSquares(Ai.transpose(), Ni.col(j));
+    const auto Yi = Y.middleRows<3>(at);
+    sums += Eigen::Vector4d((Ai.transpose() * Yi - Ni).squaredNorm(), Ni.squaredNorm(), (Bi.transpose() * Yi).squaredNorm(), Yi.squaredNorm());
+  }
+  vectors_.sum(sums);
+  constexpr double kSquare = kNothing * kNothing;
+  if (sums[0] > kSquare * sums[1] || sums[2] > kSquare * sums[3]) return b;
+  const Eigen::VectorXd left = b - partIn(Y, b);
+  return vectors_.norm(left) > kNothing * vectors_.norm(b) ? left : Eigen::VectorXd(Eigen::VectorXd::Zero(b.size()));
+}
+
 // The kernel's images are B kernel; T makes them orthonormal.
-Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
-  const Blocks inverse = invertedBlocks(A, B, diagonal_);
+ContactEquations ContactMatrix::generalEquations(const Blocks& A, const Blocks& B, double tolerance) const {
   ContactEquations equations{
-      [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
-      [&](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, tolerance, options_.linearSteps};
+      [this, &A, &B](const Eigen::VectorXd& x) -> Eigen::VectorXd { return multiplyBlocks(A, multiply(x)) + multiplyBlocks(B, x); },
+      [inverse = invertedBlocks(A, B, diagonal_)](const Eigen::VectorXd& x) { return multiplyBlocks(inverse, x); }, tolerance, options_.linearSteps};
   if (kernel_.cols() > 0) {
     const Eigen::MatrixXd images = multiplyBlocks(B, kernel_), T = orthonormalizer(vectors_.comm(), images);
     equations.known = {kernel_ * T, images * T};
   }
+  return equations;
+}
+
+Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
+  const Eigen::VectorXd possible = isDirect_ ? b : consistentPart(A, B, b);
   while (!isDirect_) {
-    auto solution = coarse_ ? solveByCoarse(equations, A, B, inverse, b) : equations.solveByGmres(vectors_, b);
-    if (mayStay(solution)) return std::move(solution.x);
+    auto solution = groups_ ? solveByGroups(A, B, possible, tolerance) : generalEquations(A, B, tolerance).solveByGmres(vectors_, possible);
+    if (mayStay(solution, Method::Gmres)) return std::move(solution.x);
   }
-  const Eigen::MatrixXd blocks = blocksOfAll(A, B);
+  const ContactEquations equations = generalEquations(A, B, tolerance);
+  const Eigen::MatrixXd blocks = numbering_.blocksOfAll(A, B);
   auto direct = solveByLast(equations, blocks, b);
   if (!direct) direct = solveDirectly(blocks, b);
   return direct ? *direct : equations.solveByGmres(vectors_, b).x;
 }
 
-ContactEquations::Solution ContactMatrix::solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Blocks& inverse,
-                                                       const Eigen::VectorXd& b) const {
-  twoLevel_->renew(A, B, inverse);
-  equations.preconditioner = [this](const Eigen::VectorXd& r) { return twoLevel_->apply(r); };
+ContactEquations::Solution ContactMatrix::solveByGroups(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
+  ContactEquations equations = generalEquations(A, B, tolerance);
+  const bool isNew = groups_->renew(scaling_, numbering_.blocksOfAll(A, B));
+  if (coarse_ && (isNew || !isCoarseReady_)) twoLevel_->renew(A, B, invertedBlocks(A, B, diagonal_)), isCoarseReady_ = true;
+  equations.preconditioner = [this](const Eigen::VectorXd& r) { return coarse_ ? twoLevel_->apply(r) : Eigen::VectorXd(groups_->apply(r)); };
   return equations.solveByGmres(vectors_, b);
 }
 
@@ -206,9 +233,9 @@ Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   while (!M_.isDirect_) {
     if (!equations_ || isCoarse_ != (M_.coarse_ != nullptr)) equations_ = M_.symmetricEquations(K_), isCoarse_ = M_.coarse_ != nullptr;
     byCg = equations_->solveByCg(M_.vectors_, b);
-    if (M_.mayStay(*byCg)) return byCg->x;
+    if (M_.mayStay(*byCg, Method::Cg)) return byCg->x;
   }
-  const auto blocks = [&] { return M_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_); };  // collective: a factor has them
+  const auto blocks = [&] { return M_.numbering_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_); };  // collective: a factor has them
   const Eigen::VectorXd all = M_.onAllRanks(b);
   if (!factor_) factor_ = std::make_unique<const ContactFactor>(M_.dense_, M_.wholeKernel_, blocks(), ContactFactor::Shape::Symmetric);
   const Eigen::VectorXd x = factor_->solve(all);
@@ -217,20 +244,41 @@ Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   return direct ? *direct : byCg ? byCg->x : M_.symmetricEquations(K_).solveByCg(M_.vectors_, b).x;
 }
 
-// A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time.  A coarse space helps it where pairs
-// are many, the dense matrix, which costs a product a row once, where a factorisation is cheaper.
-bool ContactMatrix::mayStay(const ContactEquations::Solution& solution) const {
+// A Krylov method that does not get there leaves Newton's steps without direction, and costs its products each time.
+bool ContactMatrix::mayStay(const ContactEquations::Solution& solution, Method method) const {
   if (isDirect_) return true;
   products_ += solution.products;
   ++solves_;
   makeDenseForProducts();
-  const bool isDear = !coarse_ && products_ > size_ && double(products_) > productsOfFactor_ * double(solves_);
-  if (coarse_) numLost_ = solution.isConverged ? 0 : numLost_ + 1;
-  if (solution.isConverged && !isDear) return true;
-  if (!coarse_ && makeSmooth_ && productsOfFactor_ >= options_.coarseSteps) makeCoarse();
-  else if (size_ <= options_.rowsOfStep * options_.linearSteps && (!coarse_ || numLost_ >= options_.coarseTrials)) makeDirect();
-  else return true;
+  if (!makeMore(solution.isConverged, method)) return true;
+  products_ = solves_ = numLost_ = 0;
   return solution.isConverged;
+}
+
+// For GMRES groups first, then coarse jumps beside them; these alone for conjugate gradients, which want what is symmetric.  Where neither helps, or rows are
+// few, the dense matrix, which costs a product a row once.  Returns whether anything was made.
+bool ContactMatrix::makeMore(bool isConverged, Method method) const {
+  const double mean = double(products_) / double(solves_);
+  const bool isMany = size_ >= options_.groupRows;
+  numLost_ = isConverged ? 0 : numLost_ + 1;
+  if (method == Method::Gmres && !groups_ && findGroups_ && isMany) {
+    if (!isConverged || areGroupsCheaper(mean)) groups_ = std::make_unique<SchwarzPreconditioner>(numbering_, findGroups_());
+    return groups_ != nullptr;
+  }
+  if (!coarse_ && makeSmooth_ && isMany) {
+    if (!isConverged || (products_ > options_.coarseProducts && mean > options_.coarseSteps)) makeCoarse();
+    return coarse_ != nullptr;
+  }
+  const bool isLost = coarse_ ? numLost_ >= options_.coarseTrials : !isConverged;
+  const bool isDear = !isMany && products_ > size_ && mean > productsOfFactor_;
+  if ((isLost || isDear) && size_ <= options_.rowsOfStep * options_.linearSteps) makeDirect();
+  return isDirect_;
+}
+
+// By what products read: a solve as much as factors of groups take, and all of them as much as groups do.
+bool ContactMatrix::areGroupsCheaper(double steps) const {
+  const double n = double(size_), product = dense_.size() > 0 ? 0.5 * n * n : entriesRead_;
+  return steps * product > options_.groupFactor * n && double(products_) * product > options_.groupSetUp * n;
 }
 
 Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {
@@ -244,13 +292,6 @@ Eigen::VectorXd ContactMatrix::partIn(const Eigen::MatrixXd& motions, const Eige
   sums << motions.transpose() * motions, motions.transpose() * x;
   vectors_.sum(sums);
   return motions * solveLeastSquares(sums.leftCols(k), sums.rightCols(1));
-}
-
-// [all contact values x 6] row by row A_i and B_i, the same on every rank
-Eigen::MatrixXd ContactMatrix::blocksOfAll(const Blocks& A, const Blocks& B) const {
-  Eigen::MatrixXd mine(3 * Eigen::Index(A.size()), 6);
-  for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i];
-  return onAllRanks(mine);
 }
 
 // The same system on every rank, from the pairs of all.  A singular one (motions that nothing holds) has no solution but what a Krylov method

@@ -10,6 +10,7 @@
 #include "Haptos_ContactFactor.hpp"
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DualVectors.hpp"
+#include "Haptos_SchwarzPreconditioner.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 
 namespace Haptos {
@@ -22,7 +23,8 @@ class ContactMatrix {
   using Blocks = std::vector<Eigen::Matrix3d>;  ///< [pairs]
 
   /// Dense: 3 x pairs applications of M now, the matrix on all ranks, direct solves: where M is slow, and so badly scaled that Krylov
-  /// methods fail (slender subdomains).  Products: Krylov methods; where they fail, with a coarse space, and where that fails the matrix is made.
+  /// methods fail (slender subdomains).  Products: Krylov methods, preconditioned by pairs, then by groups of them, then with coarse jumps beside
+  /// these; each comes where the one before fails or takes longer, and the dense matrix where all fail, or rows are few.
   enum class Kind { Dense, Products };
 
   struct Parts {
@@ -32,6 +34,7 @@ class ContactMatrix {
     Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
     std::function<Eigen::MatrixXd()> smooth{};  ///< makes jumps for a coarse space [3 pairs x any].  Collective.  Empty: there are none.
     double entriesRead = 0;                     ///< of matrices, in a product by M, over all ranks; 0: as many as of a dense one
+    std::function<SchwarzPreconditioner::Groups()> groups{};  ///< makes groups of pairs that overlap, with M of each.  Collective.  Empty: there are none.
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
@@ -78,6 +81,8 @@ class ContactMatrix {
  private:
   Eigen::VectorXd solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
   Eigen::VectorXd withoutFree(const Blocks& B, Eigen::VectorXd d) const;
+  Eigen::MatrixXd freeMotions(const Blocks& B) const;
+  Eigen::VectorXd consistentPart(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
   Eigen::VectorXd partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const;
   void makeDirect() const;
   void makeDenseForProducts() const;
@@ -85,27 +90,32 @@ class ContactMatrix {
   void makeCoarse() const;
   Eigen::MatrixXd multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const;
   Eigen::MatrixXd byColumns() const;
-  bool mayStay(const ContactEquations::Solution& solution) const;
-  Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
+  enum class Method { Gmres, Cg };
+  bool mayStay(const ContactEquations::Solution& solution, Method method) const;
+  bool makeMore(bool isConverged, Method method) const;
+  bool areGroupsCheaper(double steps) const;
+  Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const { return numbering_.onAllRanks(mine); }
   using Shape = ContactFactor::Shape;
-  Eigen::MatrixXd blocksOfAll(const Blocks& A, const Blocks& B) const;
   std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
   std::optional<Eigen::VectorXd> solveDirectly(const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
   std::unique_ptr<const ContactFactor> factorByForces(const Eigen::MatrixXd& blocks) const;
   void makeCompliance() const;
   ContactEquations symmetricEquations(const Blocks& K) const;
-  ContactEquations::Solution solveByCoarse(ContactEquations equations, const Blocks& A, const Blocks& B, const Blocks& inverse,
-                                           const Eigen::VectorXd& b) const;
+  ContactEquations generalEquations(const Blocks& A, const Blocks& B, double tolerance) const;
+  ContactEquations::Solution solveByGroups(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
 
   RCP<const Operator> M_;  // times scaling_
   double scaling_ = 1;
   std::function<Eigen::MatrixXd()> makeWhole_, makeSmooth_;
+  std::function<SchwarzPreconditioner::Groups()> findGroups_;
   const DualVectors& vectors_;
+  ContactNumbering numbering_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd kernel_;
   Kind kind_;
   SubspaceNewtonOptions::Condensed options_;
-  Eigen::Index first_ = 0, size_ = 0;  // of this rank's contact values among all, and of all
+  Eigen::Index first_, size_;          // of this rank's contact values among all, and of all
+  double entriesRead_ = 0;             // in a product of M
   double productsOfFactor_ = 0;        // that a factorisation of the dense matrix is worth
   bool isCheaperDense_ = false;        // for products: half of it is less than what they read of M
   mutable Eigen::MatrixXd dense_;      // [all contact values]^2, or empty
@@ -114,8 +124,10 @@ class ContactMatrix {
   mutable Eigen::MatrixXd compliance_;   // M^+ beside dense_, empty until it is asked for
   mutable bool isCompliant_ = true;      // it solves what it is used for
   mutable std::unique_ptr<const ContactFactor> last_;  // of a general system
+  mutable std::unique_ptr<SchwarzPreconditioner> groups_;         // null until Krylov methods take long without them
   mutable std::unique_ptr<const ContactCoarse> coarse_;           // null until Krylov methods fail without it
   mutable std::unique_ptr<TwoLevelPreconditioner> twoLevel_;       // beside it, of the last general system
+  mutable bool isCoarseReady_ = false;                             // for groups that have not changed since
   mutable int numLost_ = 0;                                        // solves in a row that failed with it
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };

@@ -13,6 +13,12 @@ namespace Haptos {
 
 class CountedOperator;
 
+/// \brief One of several groups of pairs that overlap: those of its pairs that this rank owns.
+struct PairGroup {
+  std::vector<int> pairs;
+  std::vector<char> isOwn;  ///< [pairs] whether the pair is the group's own, as it is of one
+};
+
 /// \brief What the subspace Newton method sees: operators, a coarse space and a law per pair; no mesh.
 ///
 /// Find lambda [force] and a such that, with s = h - F lambda + G^T a [length],
@@ -37,6 +43,10 @@ struct ContactOperators {
     std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};
     /// Makes jumps of pairs that vary slowly over the surfaces [3 x owned pairs x any], by (N, T1, T2), maybe dependent; empty: there are none.  Collective.
     std::function<Eigen::MatrixXd()> smoothJumps{};
+    /// Makes groups of pairs that overlap and cover all, for `SchwarzPreconditioner`; empty: there are none.  Collective.
+    std::function<std::vector<PairGroup>()> groups{};
+    /// About contactM of groups of owned rows, each by itself: of all ranks' rows, rank after rank, the same on all.  Collective.
+    std::function<std::vector<Eigen::MatrixXd>(const std::vector<std::vector<int>>& rows)> ofGroups{};
     double entriesRead = 0;  ///< of matrices, in a product by contactM, over all ranks; 0: not known
   };
   enum class Price { Usual, Any };

@@ -160,9 +160,13 @@ struct SubspaceNewtonOptions {
     /// where products that read half as much again took .9 (decisions/049).
     int rowsInCache = 2000;
     double readFromMemory = 2;
-    /// Where a factorisation is worth at least so many products, they get a coarse space at first (`ContactCoarse`), by which they end after 20 to 60; so many solves
+    /// Groups of pairs (`SchwarzPreconditioner`) from so many rows on: below, a factor of all rows costs no more than those of groups.  Entries that products
+    /// read in the time in which groups are factored, and made, for each row: 7 us and 40 us (decisions/049).
+    int groupRows = 900;
+    double groupFactor = 1.5e4, groupSetUp = 5e4;
+    /// Solves by groups that take more steps on the mean get coarse jumps beside them (`ContactCoarse`), once that many products are made; so many solves
     /// in a row that do not end show that it is no help.
-    int coarseSteps = 25, coarseTrials = 3;
+    int coarseSteps = 20, coarseProducts = 100, coarseTrials = 3;
     /// A factor before serves where at most so many pairs changed by more than a tenth, by so many steps of GMRES.
     int changedPairs = 10, stepsByLast = 8;
     /// The path of interior points: 20 to 27 steps from no start to 1e-7, on models with axis ratios of 6e2 to 1e4.

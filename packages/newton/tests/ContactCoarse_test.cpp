@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// A coarse space for Krylov methods on contact rows, against dense solutions.
+// Groups of pairs, and coarse jumps beside them, for Krylov methods on contact rows, against dense formulas.
 #include <Teuchos_UnitTestHarness.hpp>
 
 #include "DirectionScene.hpp"
 #include "Haptos_CountedOperator.hpp"
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace {
 
@@ -38,16 +39,93 @@ std::pair<Eigen::Matrix3d, Eigen::Matrix3d> blocksOf(int i) {
 }
 Eigen::Matrix3d resistance(int i) { return Eigen::Vector3d(std::pow(10.0, i % 4 - 3), 1e-3, 1e-2).asDiagonal(); }
 
+// This rank's pairs of three groups by their numbers among all: a group has also a pair of the next.
+SchwarzPreconditioner::Groups groupsOf(const Scene& t, const DenseMatrix& M) {
+  constexpr int kSize = kGroups / 3;
+  SchwarzPreconditioner::Groups groups{std::vector<PairGroup>(3), {}};
+  std::vector<std::vector<int>> numbers(3);
+  for (std::size_t k = 0; k < t.dual.pairs.size(); ++k) {
+    const int i = int(t.setup.map->getGlobalElement(t.dual.pairs[k].normal)) / 3;
+    for (const auto& [g, isOwn] : {std::pair(i / kSize, true), {(i / kSize + 2) % 3, false}}) {
+      if (!isOwn && i % kSize != 0) continue;
+      groups.members[std::size_t(g)].pairs.push_back(int(k));
+      groups.members[std::size_t(g)].isOwn.push_back(isOwn);
+      numbers[std::size_t(g)].push_back(i);
+    }
+  }
+  for (auto& mine : numbers) {
+    std::vector<int> rows;
+    for (const int i : gatheredOnAll(t.vectors.comm(), mine)) rows.insert(rows.end(), {3 * i, 3 * i + 1, 3 * i + 2});
+    groups.M.push_back(M(rows, rows));
+  }
+  return groups;
+}
+
+// P r by dense formulas, with own pairs of a group and one of the next.
+DenseVector schwarzOf(const DenseMatrix& G, const DenseVector& r) {
+  constexpr int kSize = kGroups / 3;
+  DenseVector z(r.size());
+  for (int g = 0; g < 3; ++g) {
+    std::vector<int> rows;
+    for (int k = 0; k < 3 * (kSize + 1); ++k) rows.push_back((3 * kSize * g + k) % int(r.size()));
+    const DenseMatrix part = G(rows, rows);
+    const DenseVector known = r(rows), solution = Testing::luSolve(part, known);
+    z.segment(3 * kSize * g, 3 * kSize) = solution.head(3 * kSize);
+  }
+  return z;
+}
+
+TEUCHOS_UNIT_TEST(SchwarzPreconditioner, SolvesGroupsAndKeepsThoseOfOwnPairs) {
+  const Scene t(false);
+  const DenseMatrix M = t.contactM();
+  const ContactNumbering numbering(t.vectors);
+  SchwarzPreconditioner schwarz(numbering, groupsOf(t, M));
+  const auto blocksWith = [&](double factor) {  // of the pairs of the second group
+    ContactMatrix::Blocks A, B;
+    for (const PairLaw& pair : t.dual.pairs) {
+      const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
+      A.push_back(blocksOf(i).first);
+      B.push_back((i == 6 ? factor : 1) * blocksOf(i).second);
+    }
+    return numbering.blocksOfAll(A, B);
+  };
+  const auto matrixWith = [&](double scaling, double factor) {
+    DenseMatrix G(kRows, kRows);
+    for (int i = 0; i < kGroups; ++i) {
+      G.middleRows<3>(3 * i) = blocksOf(i).first * scaling * M.middleRows<3>(3 * i);
+      G.block<3, 3>(3 * i, 3 * i) += (i == 6 ? factor : 1) * blocksOf(i).second;
+    }
+    return G;
+  };
+  const DenseVector r = numbers(kRows, 0.8), other = numbers(kRows, 0.2);
+  const auto error = [&](const SchwarzPreconditioner& schwarz, const DenseMatrix& G) {
+    Eigen::MatrixXd both(3 * t.vectors.numPairs(), 2);
+    both << t.contactPart(r), t.contactPart(other);
+    const Eigen::MatrixXd z = schwarz.apply(both);
+    const auto differs = [&](const DenseVector& x, const Eigen::VectorXd& mine) { return t.vectors.norm(mine - t.contactPart(schwarzOf(G, x))) / x.norm(); };
+    return std::max({differs(r, z.col(0)), differs(other, z.col(1)), differs(r, schwarz.apply(t.contactPart(r)))});
+  };
+  TEST_ASSERT(schwarz.renew(1, blocksWith(1)));
+  TEST_COMPARE(error(schwarz, matrixWith(1, 1)), <, 1e-6);
+  TEST_ASSERT(!schwarz.renew(1, blocksWith(1.05)));  // little has changed
+  TEST_COMPARE(error(schwarz, matrixWith(1, 1)), <, 1e-6);
+  TEST_ASSERT(schwarz.renew(1, blocksWith(2)));
+  TEST_COMPARE(error(schwarz, matrixWith(1, 2)), <, 1e-6);
+  SchwarzPreconditioner scaled(numbering, groupsOf(t, M));
+  TEST_ASSERT(scaled.renew(3, blocksWith(1)));
+  TEST_COMPARE(error(scaled, matrixWith(3, 1)), <, 1e-6);
+}
+
 // Errors of (M + K) d = b and of (A M + B) d = b, relative.
 Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
-                       const SubspaceNewtonOptions::Condensed& options, double entriesRead = 0) {
+                       const SubspaceNewtonOptions::Condensed& options, bool hasGroups = true) {
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
   Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
   for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
-  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth,
-                              entriesRead},
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth, 0,
+                              hasGroups ? [&] { return groupsOf(t, m.M); } : std::function<SchwarzPreconditioner::Groups()>()},
                              t.vectors, ContactMatrix::Kind::Products, options);
   const DenseVector expected = numbers(kRows, 0.4);
   DenseVector symmetric = m.M * expected, general = symmetric;
@@ -78,7 +156,7 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     options.pathLinearTolerance = 1e-10;
     options.linearSteps = isFloating ? 20 : 10;
     options.rowsOfStep = 1;  // too few for a dense matrix
-    options.coarseSteps = 0;
+    options.groupRows = 0;
     const auto columns = [&](const DenseMatrix& X) {
       return [&t, X]() -> Eigen::MatrixXd {
         Eigen::MatrixXd mine(3 * t.vectors.numPairs(), X.cols());
@@ -95,11 +173,10 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     options.rowsOfStep = 40;
     options.coarseTrials = 100;
     TEST_COMPARE(errors(t, m, isFloating, useless, options).minCoeff(), >, 1e-3);
-    options.coarseSteps = 1000000;  // a factorisation is not worth that many products: the dense matrix comes at once
+    TEST_COMPARE(errors(t, m, isFloating, {}, options, false).maxCoeff(), <, 1e-6);  // with nothing else the dense matrix comes at once
+    options.groupRows = kRows + 1;  // and where rows are few
     TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
-    options.coarseSteps = 1;  // but of products as dear as a million dense ones
-    TEST_COMPARE(errors(t, m, isFloating, useless, options, 1e6 * kRows * kRows).maxCoeff(), <, 1e-6);
-    options.coarseSteps = 0;
+    options.groupRows = 0;
     options.coarseTrials = 1;
     TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
     TEST_COMPARE(errors(t, m, isFloating, columns(DenseMatrix::Zero(kRows, 2)), options).maxCoeff(), <, 1e-6);

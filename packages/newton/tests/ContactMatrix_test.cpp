@@ -96,6 +96,27 @@ TEUCHOS_UNIT_TEST(ContactMatrix, AFactorServesWhereFewPairsChanged) {
   TEST_COMPARE(error(3, 3, 1.05), <, 1e-12);
 }
 
+// Where all pairs are open nothing holds a floating body, and its part of b is nothing that a solution can have: what is left is solved, in few products, or
+// there is no step at all.
+TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWhatIsPossibleWhereBodiesAreFree) {
+  const Scene t(true);
+  const Eigen::Index n = 3 * kGroups;
+  const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
+  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
+  M.topLeftCorner(n, n) = P * t.contactM() * P;
+  Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), 6);
+  for (Eigen::Index j = 0; j < 6; ++j) kernel.col(j) = t.contactPart(J.col(j));
+  SubspaceNewtonOptions::Condensed options;
+  options.rowsOfStep = 1;  // no dense matrix
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), t.contactPart(M.topLeftCorner(n, n).diagonal()), {}, kernel},
+                             t.vectors, ContactMatrix::Kind::Products, options);
+  const ContactMatrix::Blocks A(t.dual.pairs.size(), Eigen::Matrix3d(0.5 * Eigen::Matrix3d::Identity())), B(t.dual.pairs.size(), Eigen::Matrix3d::Zero());
+  const DenseVector expected = P * numbers(n, 0.4), possible = 0.5 * M.topLeftCorner(n, n) * expected, impossible = 7 * J.col(2);
+  const Eigen::VectorXd d = matrix.solve(A, B, t.contactPart(possible + impossible), 1e-12);
+  TEST_COMPARE(t.vectors.norm(d - t.contactPart(expected)), <, 1e-8 * expected.norm());
+  TEST_EQUALITY(t.vectors.norm(matrix.solve(A, B, t.contactPart(impossible), 1e-12)), 0.0);
+}
+
 // A body that friction holds along one axis only, by 1e-9 of what M is, goes far along the other: no residual tells of it.
 TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   const Scene t(true);

@@ -6,79 +6,23 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <array>
-#include <cmath>
-#include <limits>
 
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_LocalSystems.hpp"
-#include "Haptos_Reductions.hpp"
-#include "Haptos_Rendezvous.hpp"
+#include "Haptos_SurfaceCentres.hpp"
 
 namespace Haptos {
 namespace {
 
 constexpr int kPairsOfCentre = 32, kMostCentres = 64;  // with 32 or 48 centres 2025 pairs take as many seconds: more steps, each cheaper
-constexpr int kCells = 64;        // along the longest side: centres are chosen among cells, not pairs, whose number has no bound
 constexpr double kReach = 2;      // of a centre, in distances to the next: with 1.5 and 2.5 a fifth more steps are taken
 
-struct Place {
-  int interface;
-  Eigen::Vector3d x;
-};
-
-// Middles of the cells of a grid that have pairs, the same on all ranks.
-std::vector<Place> occupiedCells(const Communicator& comm, const std::vector<Place>& places) {
-  const double none = std::numeric_limits<double>::infinity();
-  Eigen::Vector3d lower = Eigen::Vector3d::Constant(none), upper = -lower;
-  for (const Place& place : places) lower = lower.cwiseMin(place.x), upper = upper.cwiseMax(place.x);
-  lower = leastOfAll(comm, lower);
-  upper = largestOfAll(comm, upper);
-  const double side = (upper - lower).maxCoeff() / kCells;
-  using Cell = std::array<int, 4>;
-  std::vector<Cell> cells;
-  const auto sort = [&] { std::sort(cells.begin(), cells.end()), cells.erase(std::unique(cells.begin(), cells.end()), cells.end()); };
-  for (const Place& place : places) {
-    Cell cell{place.interface, 0, 0, 0};
-    for (int d = 0; d < 3; ++d) cell[std::size_t(d + 1)] = side > 0 ? int((place.x[d] - lower[d]) / side) : 0;
-    cells.push_back(cell);
-  }
-  sort();
-  cells = gatheredOnAll(comm, cells);
-  sort();
-  std::vector<Place> middles;
-  for (const Cell& cell : cells) middles.push_back({cell[0], lower + side * (Eigen::Vector3d(cell[1], cell[2], cell[3]).array() + 0.5).matrix()});
-  return middles;
-}
-
-struct Centre {
-  Place place;
-  double reach;
-};
-
-// The farthest cell is the next one; the interfaces come first, as no centre of another one is near.
-std::vector<Centre> chooseCentres(const std::vector<Place>& cells, std::size_t count) {
-  constexpr double kFar = std::numeric_limits<double>::max();
-  std::vector<double> distance(cells.size(), kFar);
-  std::vector<Centre> centres;
-  while (centres.size() < std::min(count, cells.size())) {
-    const std::size_t next = std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin());
-    if (distance[next] == 0) break;
-    centres.push_back({cells[next], 0});
-    for (std::size_t i = 0; i < cells.size(); ++i)
-      if (cells[i].interface == cells[next].interface) distance[i] = std::min(distance[i], (cells[i].x - cells[next].x).norm());
-  }
-  for (std::size_t i = 0; i < cells.size(); ++i)
-    for (Centre& centre : centres)
-      if (centre.place.interface == cells[i].interface) centre.reach = std::max(centre.reach, kReach * distance[i]);
-  return centres;
-}
-
 // (1 - d^2 / reach^2)^2, divided by their sum
-Eigen::VectorXd weightsAt(const Place& place, const std::vector<Centre>& centres) {
+Eigen::VectorXd weightsAt(const SurfacePlace& place, const std::vector<SurfaceCentre>& centres) {
   Eigen::VectorXd weights = Eigen::VectorXd::Zero(Eigen::Index(centres.size()));
   for (std::size_t c = 0; c < centres.size(); ++c) {
     if (centres[c].place.interface != place.interface) continue;
-    const double r = centres[c].reach, left = r > 0 ? 1 - (place.x - centres[c].place.x).squaredNorm() / (r * r) : 1.0;
+    const double r = kReach * centres[c].spacing, left = r > 0 ? 1 - (place.x - centres[c].place.x).squaredNorm() / (r * r) : 1.0;
     if (left > 0) weights[Eigen::Index(c)] = left * left;
   }
   const double sum = weights.sum();
@@ -128,16 +72,16 @@ std::vector<Eigen::Vector3d> placesOfPairs(const FetiSystem& system) {
 Eigen::MatrixXd smoothJumps(const MultiplierMap& multipliers, const std::vector<Eigen::Vector3d>& x) {
   const auto& comm = *multipliers.map()->getComm();
   const auto& pairs = multipliers.pairs();
-  std::vector<Place> places;
+  std::vector<SurfacePlace> places;
   for (std::size_t i = 0; i < x.size(); ++i) places.push_back({pairs[i].interface, x[i]});
   const auto wanted = std::size_t(std::min<GlobalOrdinal>(kMostCentres, multipliers.numPairs() / kPairsOfCentre));
-  const std::vector<Centre> centres = chooseCentres(occupiedCells(comm, places), wanted);
+  const std::vector<SurfaceCentre> centres = chooseCentres(comm, places, wanted);
   Eigen::MatrixXd jumps = Eigen::MatrixXd::Zero(3 * Eigen::Index(places.size()), 6 * Eigen::Index(centres.size()));
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::Matrix3d axes = axesOf(multipliers, pairs[i]);
     const Eigen::VectorXd weights = weightsAt(places[i], centres);
     for (std::size_t c = 0; c < centres.size(); ++c) {
-      const double reach = centres[c].reach > 0 ? centres[c].reach : 1.0;
+      const double reach = centres[c].spacing > 0 ? kReach * centres[c].spacing : 1.0;
       jumps.block<3, 6>(3 * Eigen::Index(i), 6 * Eigen::Index(c)) = weights[Eigen::Index(c)] * motionsOf(axes, (x[i] - centres[c].place.x) / reach);
     }
   }

@@ -10,6 +10,7 @@
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_PairGroups.hpp"
 #include "Haptos_SmoothJumps.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 #include "Haptos_SubspaceNewtonSolMgr.hpp"
@@ -101,8 +102,12 @@ struct SubspaceNewtonSolver::Impl {
     deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : usual);
     if (deflated.is_null()) return {};
     const Made::Block block = deflated->contactBlock();
-    return {deflated, block.M, trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); },
-            [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); }, block.entriesRead};
+    ContactOperators::Deflated made{deflated, block.M, trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
+    made.smoothJumps = [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); };
+    made.groups = [system = &context.system] { return groupsOfPairs(*system->model().multipliers, placesOfPairs(*system)); };
+    made.ofGroups = block.ofGroups;
+    made.entriesRead = block.entriesRead;
+    return made;
   }
 
   double estimateKkt(const Vector& l, const Vector& s) {

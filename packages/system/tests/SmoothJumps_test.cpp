@@ -1,14 +1,17 @@
 // SPDX-License-Identifier: BSD-3-Clause
-// Slowly varying jumps of a contact surface: rigid motions are among them, and they do not depend on the ranks.
+// Slowly varying jumps of a contact surface, and groups of its pairs: rigid motions are among the jumps, and neither depends on the ranks.
 #include "Haptos_SmoothJumps.hpp"
 
 #include <Eigen/Geometry>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <set>
 
 #include "../../feti/tests/FetiScene.hpp"
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_PairGroups.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace {
 
@@ -70,6 +73,43 @@ TEUCHOS_UNIT_TEST(SmoothJumps, HaveRigidMotionsAndKnowNoRanks) {
     const Eigen::MatrixXd whole = smoothJumps(*alone.dealt.multipliers, placesIn(again, *alone.dealt.multipliers));
     TEST_COMPARE((gram - whole.transpose() * whole).norm(), <, 1e-12 * gram.norm());
   }
+}
+
+// By the nodes of their pairs.
+std::vector<std::set<std::pair<std::int64_t, bool>>> nodesOf(const std::vector<PairGroup>& groups, const MultiplierMap& multipliers) {
+  struct Member {
+    std::int64_t node;
+    int group;
+    bool isOwn;
+  };
+  std::vector<Member> members;
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    for (std::size_t k = 0; k < groups[g].pairs.size(); ++k)
+      members.push_back({multipliers.pairs()[std::size_t(groups[g].pairs[k])].geometry.secondaryNode, int(g), groups[g].isOwn[k] != 0});
+  std::vector<std::set<std::pair<std::int64_t, bool>>> result(groups.size());
+  for (const Member& member : gatheredOnAll(*multipliers.map()->getComm(), members)) result[std::size_t(member.group)].insert({member.node, member.isOwn});
+  return result;
+}
+
+TEUCHOS_UNIT_TEST(PairGroups, CoverAllPairsOnceAndOverlapAndKnowNoRanks) {
+  const Scene scene = blocks(true), again = blocks(true);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene), alone = makeFeti(Teuchos::rcp(new Teuchos::MpiComm<int>(MPI_COMM_SELF)), again);
+  const MultiplierMap &multipliers = *feti.dealt.multipliers, &whole = *alone.dealt.multipliers;
+  const auto groups = nodesOf(groupsOfPairs(multipliers, placesIn(scene, multipliers)), multipliers);
+  TEST_ASSERT(groups == nodesOf(groupsOfPairs(whole, placesIn(again, whole)), whole));
+  constexpr int kPairs = (kElements[0] + 1) * (kElements[1] + 1);
+  TEST_EQUALITY(int(groups.size()), kPairs / 12);
+  std::set<std::int64_t> own;
+  int numOwn = 0, numOthers = 0;
+  for (const auto& group : groups)
+    for (const auto& [node, isOwn] : group) {
+      if (isOwn) own.insert(node);
+      (isOwn ? numOwn : numOthers) += 1;
+    }
+  TEST_EQUALITY(numOwn, kPairs);
+  TEST_EQUALITY(int(own.size()), kPairs);
+  out << "members of groups that are not their own: " << numOthers << "\n";
+  TEST_ASSERT(numOthers > kPairs / 2 && numOthers < 3 * kPairs);
 }
 
 }  // namespace

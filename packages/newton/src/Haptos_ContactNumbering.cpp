@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_ContactNumbering.hpp"
+
+#include "Haptos_Reductions.hpp"
+
+namespace Haptos {
+
+ContactNumbering::ContactNumbering(const DualVectors& vectors) : vectors_(vectors), mine_(3 * vectors.numPairs()) {
+  first_ = sumOfLower(vectors.comm(), mine_);
+  size_ = sumOfAll(vectors.comm(), mine_);
+}
+
+// By one sum of numbers that are 0 elsewhere.
+Eigen::MatrixXd ContactNumbering::onAllRanks(const Eigen::MatrixXd& mine) const {
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(size_, mine.cols());
+  all.middleRows(first_, mine_) = mine;
+  vectors_.sum(all);
+  return all;
+}
+
+Eigen::MatrixXd ContactNumbering::blocksOfAll(const std::vector<Eigen::Matrix3d>& A, const std::vector<Eigen::Matrix3d>& B) const {
+  Eigen::MatrixXd mine(mine_, 6);
+  for (std::size_t i = 0; i < A.size(); ++i) mine.middleRows<3>(3 * Eigen::Index(i)) << A[i], B[i];
+  return onAllRanks(mine);
+}
+
+bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now) {
+  constexpr double kMuch = 0.1;
+  for (const Eigen::Index first : {0, 3}) {
+    const auto was = before.middleCols<3>(first);
+    if ((now.middleCols<3>(first) - was).norm() > kMuch * was.norm()) return true;
+  }
+  return false;
+}
+
+}  // namespace Haptos
