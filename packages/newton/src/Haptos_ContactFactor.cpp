@@ -30,13 +30,6 @@ bool ContactFactor::isSmallerByForces(const Eigen::MatrixXd& blocks) {
   return forces > jumps;
 }
 
-// A row without A whose B is its diagonal says d = b / B by itself: normal components of closed pairs, and all of those that stick.
-bool ContactFactor::isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
-  for (Eigen::Index k = 0; k < 3; ++k)
-    if (blocks(row, k) != 0 || (blocks(row, 3 + k) != 0) != (k == row % 3)) return false;
-  return true;
-}
-
 // Rows of which M has nothing are pinned, or not there.
 void ContactFactor::findRest() {
   for (Eigen::Index row = 0; row < M_.rows(); ++row)
@@ -158,15 +151,8 @@ Eigen::VectorXd ContactFactor::solveLeastSquares(const Eigen::VectorXd& b) const
 }
 
 int ContactFactor::numChanged(const Eigen::MatrixXd& blocks) const {
-  constexpr double kMuch = 0.1;
   int count = 0;
-  for (Eigen::Index at = 0; at < blocks.rows(); at += 3) {
-    const auto changed = [&](Eigen::Index first) {
-      const auto now = blocks.block<3, 3>(at, first), before = blocks_.block<3, 3>(at, first);
-      return (now - before).norm() > kMuch * before.norm();
-    };
-    count += changed(0) || changed(3);
-  }
+  for (Eigen::Index at = 0; at < blocks.rows(); at += 3) count += hasChanged(blocks_.middleRows<3>(at), blocks.middleRows<3>(at));
   return count;
 }
 

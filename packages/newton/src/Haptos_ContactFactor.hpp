@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_ContactNumbering.hpp"
 #include "Haptos_ForceFactor.hpp"
 
 namespace Haptos {
@@ -40,7 +41,6 @@ class ContactFactor {
   double A(Eigen::Index row, Eigen::Index k) const { return blocks_(row, k); }
   double B(Eigen::Index row, Eigen::Index k) const { return blocks_(row, 3 + k); }
   bool isSolvedByPair(Eigen::Index row) const { return !forces_ && isKnown(blocks_, row); }
-  static bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row);
   void findRest();
   Eigen::VectorXd solvedByPairs(const Eigen::VectorXd& b) const;
   Eigen::VectorXd residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const;

@@ -270,7 +270,7 @@ bool ContactMatrix::makeMore(bool isConverged, Method method) const {
     return coarse_ != nullptr;
   }
   const bool isLost = coarse_ ? numLost_ >= options_.coarseTrials : !isConverged;
-  const bool isDear = !isMany && products_ > size_ && mean > productsOfFactor_;
+  const bool isDear = !groups_ && !coarse_ && products_ > size_ && mean > productsOfFactor_;
   if ((isLost || isDear) && size_ <= options_.rowsOfStep * options_.linearSteps) makeDirect();
   return isDirect_;
 }

@@ -24,6 +24,12 @@ Eigen::MatrixXd ContactNumbering::blocksOfAll(const std::vector<Eigen::Matrix3d>
   return onAllRanks(mine);
 }
 
+bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
+  for (Eigen::Index k = 0; k < 3; ++k)
+    if (blocks(row, k) != 0 || (blocks(row, 3 + k) != 0) != (k == row % 3)) return false;
+  return true;
+}
+
 bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now) {
   constexpr double kMuch = 0.1;
   for (const Eigen::Index first : {0, 3}) {

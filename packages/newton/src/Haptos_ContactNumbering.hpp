@@ -26,6 +26,9 @@ class ContactNumbering {
   Eigen::Index first_ = 0, mine_ = 0, size_ = 0;
 };
 
+/// \brief Whether a row of `blocksOfAll` says d = b / B by itself, without A and with B on the diagonal: normal components of closed pairs, all of those that stick.
+bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row);
+
 /// \brief Whether the blocks of a pair, three rows of `blocksOfAll`, differ by more than a tenth: a factor of those before is not much of one of these.
 bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now);
 

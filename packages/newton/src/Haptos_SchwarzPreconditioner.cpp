@@ -35,13 +35,6 @@ Eigen::MatrixXd matrixOf(double scaling, const Eigen::MatrixXd& M, const Eigen::
   return G;
 }
 
-// A row without A whose B is its diagonal says d = r / B by itself: normal components of closed pairs, and all of those that stick.
-bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
-  for (Eigen::Index k = 0; k < 3; ++k)
-    if (blocks(row, k) != 0 || (blocks(row, 3 + k) != 0) != (k == row % 3)) return false;
-  return true;
-}
-
 // Rows `own` of G^-1, by a factor of the rows that pairs do not solve by themselves: d_r = G_rr^-1 (r_r - G_rk B_k^-1 r_k).
 Eigen::MatrixXd rowsOfInverse(const Eigen::MatrixXd& G, const Eigen::MatrixXd& blocks, const std::vector<Eigen::Index>& own) {
   std::vector<Eigen::Index> known, rest, ownRest, ownAt;  // ownRest: positions in rest, ownAt: in own
