@@ -162,7 +162,7 @@ struct SubspaceNewtonOptions {
     double readFromMemory = 2;
     /// Groups of pairs (`SchwarzPreconditioner`) from so many rows on: below, a factor of all rows costs no more than those of groups.  Entries that products
     /// read in the time in which groups are factored, and made, for each row: 7 us and 40 us (decisions/049).
-    int groupRows = 900;
+    int groupRows = 1000;
     double groupFactor = 1.5e4, groupSetUp = 5e4;
     /// Solves by groups that take more steps on the mean get coarse jumps beside them (`ContactCoarse`), once that many products are made; so many solves
     /// in a row that do not end show that it is no help.
