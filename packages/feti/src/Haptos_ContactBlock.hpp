@@ -34,7 +34,7 @@ class ContactBlock final : public Operator {
   /// \brief Entries of matrices that a product reads on this rank, which is what it costs.
   double entriesRead() const;
 
-  /// \name Of groups of contact rows by themselves (`ContactGroups`).  Contact rows of all ranks are numbered rank after rank.
+  /// \name Of groups of contact rows by themselves (`DeflatedContactBlock::ofGroups`).  Contact rows of all ranks are numbered rank after rank.
   /// @{
   using Columns = Eigen::SparseMatrix<double>;
   Columns spreads() const;  ///< V B^T [unknowns of this rank's active subdomains x contact rows of all].  Collective.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactCoarse.hpp"
 
+#include "Haptos_ContactNumbering.hpp"
 #include "Haptos_StackedQr.hpp"
 
 namespace Haptos {
@@ -19,9 +20,8 @@ Eigen::MatrixXd basisOf(const DualVectors& vectors, const Eigen::MatrixXd& Y) {
 
 // Pairs of this rank whose blocks differ by more than a tenth.
 int numChanged(const ContactCoarse::Blocks& before, const ContactCoarse::Blocks& now) {
-  constexpr double kMuch = 0.1;
   int count = 0;
-  for (std::size_t i = 0; i < now.size(); ++i) count += (now[i] - before[i]).norm() > kMuch * before[i].norm();
+  for (std::size_t i = 0; i < now.size(); ++i) count += hasBlockChanged(before[i], now[i]);
   return count;
 }
 

@@ -49,12 +49,10 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
       diagonal_(std::move(parts.diagonal)),
       kernel_(std::move(parts.kernel)),
       kind_(kind),
-      options_(options),
-      first_(numbering_.first()),
-      size_(numbering_.size()) {
+      options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
-  const double n = double(size_);
+  const double n = double(numbering_.size());
   entriesRead_ = parts.entriesRead > 0 ? parts.entriesRead : n * n;
   productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * entriesRead_) : 0.0;
   const double perEntry = n > options.rowsInCache ? options.readFromMemory : 1.0;
@@ -68,7 +66,7 @@ Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::fu
   Eigen::MatrixXd result(3 * vectors_.numPairs(), count);
   for (Eigen::Index j = 0; j < count; j += kAtATime) {
     const Eigen::Index width = std::min(kAtATime, count - j);
-    if (dense_.size() > 0) result.middleCols(j, width) = dense_.middleRows(first_, result.rows()) * onAllRanks(columns(j, width));
+    if (dense_.size() > 0) result.middleCols(j, width) = dense_.middleRows(numbering_.first(), result.rows()) * onAllRanks(columns(j, width));
     else result.middleCols(j, width) = scaling_ * vectors_.applyOnContactByColumns(*M_, columns(j, width));
   }
   return result;
@@ -77,10 +75,10 @@ Eigen::MatrixXd ContactMatrix::multiplyColumns(Eigen::Index count, const std::fu
 // Column j of M is M applied to unit force j; every rank has its own rows of it, then all have all.
 Eigen::MatrixXd ContactMatrix::byColumns() const {
   const Eigen::Index mine = numbering_.mine();
-  return onAllRanks(multiplyColumns(size_, [&](Eigen::Index j, Eigen::Index width) {
+  return onAllRanks(multiplyColumns(numbering_.size(), [&](Eigen::Index j, Eigen::Index width) {
     Eigen::MatrixXd units = Eigen::MatrixXd::Zero(mine, width);
     for (Eigen::Index k = 0; k < width; ++k)
-      if (j + k >= first_ && j + k < first_ + mine) units(j + k - first_, k) = 1;
+      if (j + k >= numbering_.first() && j + k < numbering_.first() + mine) units(j + k - numbering_.first(), k) = 1;
     return units;
   }));
 }
@@ -115,13 +113,13 @@ void ContactMatrix::makeDirect() const {
 
 // Half of a dense symmetric matrix is read by a product; it is made where more than that has been read long enough to pay for it.
 void ContactMatrix::makeDenseForProducts() const {
-  if (isCheaperDense_ && dense_.size() == 0 && options_.productsOfRow * products_ > size_) keepDense(byColumns());
+  if (isCheaperDense_ && dense_.size() == 0 && options_.productsOfRow * products_ > numbering_.size()) keepDense(byColumns());
 }
 
 // Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
 void ContactMatrix::keepDense(const Eigen::MatrixXd& matrix) const {
   dense_ = 0.5 * (matrix + matrix.transpose());
-  wholeKernel_ = Eigen::MatrixXd(size_, 0);
+  wholeKernel_ = Eigen::MatrixXd(numbering_.size(), 0);
   if (kernel_.cols() == 0) return;
   wholeKernel_ = onAllRanks(kernel_ * orthonormalizer(vectors_.comm(), kernel_));
   const Eigen::MatrixXd &N = wholeKernel_, MN = dense_ * N;
@@ -132,12 +130,13 @@ Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
   if (dense_.size() == 0) return scaling_ * vectors_.applyOnContact(*M_, x);
   Eigen::VectorXd all = onAllRanks(x);
   all -= wholeKernel_ * (wholeKernel_.transpose() * all);  // bodies that went far would leave round-off of their way
-  if (x.size() == size_) return symmetricTimes(dense_, all);
-  return dense_.middleRows(first_, x.size()) * all;
+  if (x.size() == numbering_.size()) return symmetricTimes(dense_, all);
+  return dense_.middleRows(numbering_.first(), x.size()) * all;
 }
 
 Eigen::VectorXd ContactMatrix::solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
-  return withoutFree(B, solveAny(A, B, b, tolerance));
+  const Eigen::MatrixXd free = freeMotions(B);
+  return withoutFree(free, solveAny(A, B, free, b, tolerance));
 }
 
 // Of the kernel, that B does not feel either (a coefficient 0, open pairs).
@@ -147,17 +146,15 @@ Eigen::MatrixXd ContactMatrix::freeMotions(const Blocks& B) const {
 }
 
 // They stay where they are: a solution may have any of them.
-Eigen::VectorXd ContactMatrix::withoutFree(const Blocks& B, Eigen::VectorXd d) const {
-  const Eigen::MatrixXd motions = freeMotions(B);
-  if (motions.cols() > 0) d -= partIn(motions, d);
+Eigen::VectorXd ContactMatrix::withoutFree(const Eigen::MatrixXd& free, Eigen::VectorXd d) const {
+  if (free.cols() > 0) d -= partIn(free, d);
   return d;
 }
 
 // b without what no solution can give, where motions N are free: Y with A^T Y = N and B^T Y = 0 has Y^T (A M + B) = N^T M = 0.  Krylov methods end
 // by their bound with it, and least squares take as much.
-Eigen::VectorXd ContactMatrix::consistentPart(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const {
+Eigen::VectorXd ContactMatrix::consistentPart(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& N, const Eigen::VectorXd& b) const {
   constexpr double kNothing = 1e-8;
-  const Eigen::MatrixXd N = freeMotions(B);
   if (N.cols() == 0) return b;
   Eigen::MatrixXd Y(N.rows(), N.cols());
   Eigen::Vector4d sums = Eigen::Vector4d::Zero();  // squares of A^T Y - N, N, B^T Y, Y
@@ -187,8 +184,8 @@ ContactEquations ContactMatrix::generalEquations(const Blocks& A, const Blocks& 
   return equations;
 }
 
-Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
-  const Eigen::VectorXd possible = isDirect_ ? b : consistentPart(A, B, b);
+Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& free, const Eigen::VectorXd& b, double tolerance) const {
+  const Eigen::VectorXd possible = isDirect_ ? b : consistentPart(A, B, free, b);
   while (!isDirect_) {
     auto solution = groups_ ? solveByGroups(A, B, possible, tolerance) : generalEquations(A, B, tolerance).solveByGmres(vectors_, possible);
     if (mayStay(solution, Method::Gmres)) return std::move(solution.x);
@@ -225,7 +222,7 @@ ContactEquations ContactMatrix::symmetricEquations(const Blocks& K) const {
   return equations;
 }
 
-Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { return M_.withoutFree(K_, solveAny(b)); }
+Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { return M_.withoutFree(M_.freeMotions(K_), solveAny(b)); }
 
 // Where Cholesky's method is no good for the matrix LU may be.
 Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
@@ -239,7 +236,7 @@ Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   const Eigen::VectorXd all = M_.onAllRanks(b);
   if (!factor_) factor_ = std::make_unique<const ContactFactor>(M_.dense_, M_.wholeKernel_, blocks(), ContactFactor::Shape::Symmetric);
   const Eigen::VectorXd x = factor_->solve(all);
-  if (factor_->isSolution(x, all)) return x.segment(M_.first_, b.size());
+  if (factor_->isSolution(x, all)) return x.segment(M_.numbering_.first(), b.size());
   const auto direct = M_.solveDirectly(blocks(), b);
   return direct ? *direct : byCg ? byCg->x : M_.symmetricEquations(K_).solveByCg(M_.vectors_, b).x;
 }
@@ -259,7 +256,7 @@ bool ContactMatrix::mayStay(const ContactEquations::Solution& solution, Method m
 // few, the dense matrix, which costs a product a row once.  Returns whether anything was made.
 bool ContactMatrix::makeMore(bool isConverged, Method method) const {
   const double mean = double(products_) / double(solves_);
-  const bool isMany = size_ >= options_.groupRows;
+  const bool isMany = numbering_.size() >= options_.groupRows;
   numLost_ = isConverged ? 0 : numLost_ + 1;
   if (method == Method::Gmres && !groups_ && findGroups_ && isMany) {
     if (!isConverged || areGroupsCheaper(mean)) groups_ = std::make_unique<SchwarzPreconditioner>(numbering_, findGroups_());
@@ -270,14 +267,14 @@ bool ContactMatrix::makeMore(bool isConverged, Method method) const {
     return coarse_ != nullptr;
   }
   const bool isLost = coarse_ ? numLost_ >= options_.coarseTrials : !isConverged;
-  const bool isDear = !groups_ && !coarse_ && products_ > size_ && mean > productsOfFactor_;
-  if ((isLost || isDear) && size_ <= options_.rowsOfStep * options_.linearSteps) makeDirect();
+  const bool isDear = !groups_ && !coarse_ && products_ > numbering_.size() && mean > productsOfFactor_;
+  if ((isLost || isDear) && numbering_.size() <= options_.rowsOfStep * options_.linearSteps) makeDirect();
   return isDirect_;
 }
 
 // By what products read: a solve as much as factors of groups take, and all of them as much as groups do.
 bool ContactMatrix::areGroupsCheaper(double steps) const {
-  const double n = double(size_), product = dense_.size() > 0 ? 0.5 * n * n : entriesRead_;
+  const double n = double(numbering_.size()), product = dense_.size() > 0 ? 0.5 * n * n : entriesRead_;
   return steps * product > options_.groupFactor * n && double(products_) * product > options_.groupSetUp * n;
 }
 
@@ -311,13 +308,13 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixX
   if (isSolved) last_ = std::move(factor);
   else if (kind_ == Kind::Products) return {};
   else x = factor->solveLeastSquares(all);
-  return x.segment(first_, b.size());
+  return x.segment(numbering_.first(), b.size());
 }
 
 // Once the set of what slips has settled a factor serves many steps.  Collective.
 std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const {
   if (!last_ || last_->numChanged(blocks) > options_.changedPairs) return {};
-  equations.preconditioner = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return last_->solve(onAllRanks(x)).segment(first_, x.size()); };
+  equations.preconditioner = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return last_->solve(onAllRanks(x)).segment(numbering_.first(), x.size()); };
   equations.steps = options_.stepsByLast;
   const auto solution = equations.solveByGmres(vectors_, b);
   if (!solution.isConverged) return {};
@@ -337,12 +334,12 @@ void ContactMatrix::makeCompliance() const {
   constexpr double kFree = 1e-10;  // of the largest eigenvalue: rigid motions
   if (compliance_.size() > 0) return;
   std::vector<Eigen::Index> felt;
-  for (Eigen::Index row = 0; row < size_; ++row)
+  for (Eigen::Index row = 0; row < numbering_.size(); ++row)
     if (dense_(row, row) > 0) felt.push_back(row);
   const Eigen::VectorXd diagonal = dense_.diagonal()(felt), S = diagonal.cwiseSqrt().cwiseInverse();
   const PivotedQr motions(diagonal.cwiseSqrt().asDiagonal() * wholeKernel_(felt, Eigen::all));
   const Eigen::MatrixXd inverse = pseudoInverse(S.asDiagonal() * dense_(felt, felt) * S.asDiagonal(), motions.Q.leftCols(Eigen::Index(motions.columns.size())), kFree);
-  compliance_ = Eigen::MatrixXd::Zero(size_, size_);
+  compliance_ = Eigen::MatrixXd::Zero(numbering_.size(), numbering_.size());
   compliance_(felt, felt) = S.asDiagonal() * inverse * S.asDiagonal();
 }
 
@@ -351,7 +348,7 @@ Eigen::VectorXd ContactMatrix::normalStiffness() const {
   makeCompliance();
   Eigen::VectorXd stiffness = Eigen::VectorXd::Zero(vectors_.numPairs());
   for (Eigen::Index i = 0; i < stiffness.size(); ++i) {
-    const Eigen::Index row = first_ + 3 * i;
+    const Eigen::Index row = numbering_.first() + 3 * i;
     if (const double compliance = compliance_(row, row); compliance > 0) stiffness[i] = 1 / compliance;
   }
   return stiffness;

@@ -50,7 +50,7 @@ class ContactMatrix {
   /// \brief (A M + B) d = b, to a relative tolerance.  Collective.
   Eigen::VectorXd solve(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
   /// \brief Whether the last factor that solved one was of at most half of the rows.
-  bool wasSmall() const { return last_ && 2 * last_->numFactored() <= size_; }
+  bool wasSmall() const { return last_ && 2 * last_->numFactored() <= numbering_.size(); }
   /// \brief (M + K) d = b for one b after the other, K symmetric and positive semidefinite.
   class Symmetric {
    public:
@@ -79,10 +79,10 @@ class ContactMatrix {
   const DualVectors& vectors() const { return vectors_; }
 
  private:
-  Eigen::VectorXd solveAny(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
-  Eigen::VectorXd withoutFree(const Blocks& B, Eigen::VectorXd d) const;
+  Eigen::VectorXd solveAny(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& free, const Eigen::VectorXd& b, double tolerance) const;
+  Eigen::VectorXd withoutFree(const Eigen::MatrixXd& free, Eigen::VectorXd d) const;
   Eigen::MatrixXd freeMotions(const Blocks& B) const;
-  Eigen::VectorXd consistentPart(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b) const;
+  Eigen::VectorXd consistentPart(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& N, const Eigen::VectorXd& b) const;
   Eigen::VectorXd partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const;
   void makeDirect() const;
   void makeDenseForProducts() const;
@@ -114,7 +114,6 @@ class ContactMatrix {
   Eigen::MatrixXd kernel_;
   Kind kind_;
   SubspaceNewtonOptions::Condensed options_;
-  Eigen::Index first_, size_;          // of this rank's contact values among all, and of all
   double entriesRead_ = 0;             // in a product of M
   double productsOfFactor_ = 0;        // that a factorisation of the dense matrix is worth
   bool isCheaperDense_ = false;        // for products: half of it is less than what they read of M

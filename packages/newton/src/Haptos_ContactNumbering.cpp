@@ -30,13 +30,13 @@ bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row) {
   return true;
 }
 
-bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now) {
+bool hasBlockChanged(const Eigen::Matrix3d& before, const Eigen::Matrix3d& now) {
   constexpr double kMuch = 0.1;
-  for (const Eigen::Index first : {0, 3}) {
-    const auto was = before.middleCols<3>(first);
-    if ((now.middleCols<3>(first) - was).norm() > kMuch * was.norm()) return true;
-  }
-  return false;
+  return (now - before).norm() > kMuch * before.norm();
+}
+
+bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now) {
+  return hasBlockChanged(before.leftCols<3>(), now.leftCols<3>()) || hasBlockChanged(before.rightCols<3>(), now.rightCols<3>());
 }
 
 }  // namespace Haptos

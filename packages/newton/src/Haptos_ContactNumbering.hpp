@@ -29,7 +29,9 @@ class ContactNumbering {
 /// \brief Whether a row of `blocksOfAll` says d = b / B by itself, without A and with B on the diagonal: normal components of closed pairs, all of those that stick.
 bool isKnown(const Eigen::MatrixXd& blocks, Eigen::Index row);
 
-/// \brief Whether the blocks of a pair, three rows of `blocksOfAll`, differ by more than a tenth: a factor of those before is not much of one of these.
+/// \brief Whether the block of a pair differs by more than a tenth: a factor with the one before is not much of one with this.
+bool hasBlockChanged(const Eigen::Matrix3d& before, const Eigen::Matrix3d& now);
+/// \brief The same of either block in three rows of `blocksOfAll`.
 bool hasChanged(const Eigen::Ref<const Eigen::MatrixXd>& before, const Eigen::Ref<const Eigen::MatrixXd>& now);
 
 }  // namespace Haptos
