@@ -42,6 +42,7 @@ struct CondensedContact::Model {
   const std::vector<PairLaw>& pairs;
   const Eigen::VectorXd& r;
   ConePath& path;
+  bool& isPathFirst;
   const Eigen::VectorXd& settled;
   Eigen::VectorXd lambda, s;
 
@@ -60,12 +61,19 @@ struct CondensedContact::Model {
   enum class Patience { Usual, Long };
 
   // Steps of few rows are cheap beside those of a path: an active set that moves a few pairs a step may come to its end.
-  bool mayGoOn(const std::vector<double>& norms, Patience patience) const {
+  bool mayGoOn(const std::vector<double>& norms, double target, Patience patience) const {
     const int k = int(norms.size()) - 1, before = k - options.newtonSteps;
-    if (patience == Patience::Long && k < options.patientSteps) return true;
+    if (patience == Patience::Long && (k < options.newtonSteps || (k < options.patientSteps && isOnCourse(norms, target)))) return true;
     if (patience == Patience::Usual && isPathShorter(norms)) return false;
     if (before < 0) return true;
     return k < options.smallSteps && M.wasSmall() && norms[std::size_t(k)] <= options.smallLeaves * norms[std::size_t(before)];
+  }
+
+  // At the rate of the last steps, so many more would get there.
+  bool isOnCourse(const std::vector<double>& norms, double target) const {
+    if (int(norms.size()) <= options.courseSteps) return true;
+    const double now = *std::min_element(norms.begin(), norms.end()), before = *std::min_element(norms.begin(), norms.end() - options.courseSteps);
+    return now * std::pow(now / before, double(options.patientSteps) / options.courseSteps) <= target;
   }
 
   // The last steps have left more than `trialLeaves`, and a path is at hand.  Not where a coarse space serves Krylov methods: a path wants two
@@ -83,7 +91,7 @@ struct CondensedContact::Model {
     const double farthest = M.hasKernel() ? options.farthest * M.vectors().norm(s - point.sigma) : 0.0;
     Point best = point;
     std::vector<double> norms{point.norm};
-    while (point.norm > target && mayGoOn(norms, patience)) {
+    while (point.norm > target && mayGoOn(norms, target, patience)) {
       const Eigen::VectorXd d = M.solve(blocksOfA(point.law), point.law.dP, -point.law.phi, options.linearTolerance), Md = M.multiply(d);
       if (const double length = M.vectors().norm(d); !std::isfinite(length) || length == 0) break;
       const auto along = [&](double t) { return at(point.sigma + t * d, point.Msigma + t * Md); };
@@ -105,7 +113,7 @@ struct CondensedContact::Model {
   // By the residual that another r makes of the law, as far as it gets; the norm of what it finds is that of r.
   Point newtonWith(double factor, const Point& from) const {
     const Eigen::VectorXd otherR = factor * r;
-    const Model other{M, options, pairs, otherR, path, settled, lambda, s};
+    const Model other{M, options, pairs, otherR, path, isPathFirst, settled, lambda, s};
     const Point begin = other.at(from.sigma, from.Msigma), end = other.newton(begin, options.otherReduction * options.reduction * begin.norm, Patience::Long);
     return at(end.sigma, end.Msigma);
   }
@@ -132,6 +140,15 @@ struct CondensedContact::Model {
     return near;
   }
 
+  // Models of one run differ little: where other penalties were of no use a path, which came to its end, comes first the next time.
+  Point byOtherMeans(Point near, const Point& from, double target) const {
+    if (!isPathFirst || !path.hasStages()) near = withOtherPenalties(std::move(near), from, target);
+    if (near.norm <= target) return near;
+    near = alongPaths(std::move(near), target);
+    isPathFirst = near.norm <= target;
+    return near;
+  }
+
   // Where nothing moves, or where the last model was solved if that leaves less: models of one run differ little, and what a direction was
   // made for is not yet where the state is.
   Point nearest(const Point& start) const {
@@ -148,7 +165,7 @@ struct CondensedContact::Model {
     // what is solved already is solved closer: the same direction again would bring nothing
     const double target = options.reduction * (from.norm > options.reduction * start.norm ? start.norm : from.norm);
     Point near = newton(from, target);
-    if (near.norm > options.pathFrom * start.norm) near = alongPaths(withOtherPenalties(std::move(near), from, target), target);
+    if (near.norm > options.pathFrom * start.norm) near = byOtherMeans(std::move(near), from, target);
     left = start.norm > 0 ? near.norm / start.norm : 0.0;
     return near;
   }
@@ -157,7 +174,7 @@ struct CondensedContact::Model {
 // sigma = 0, nothing moves, is where Newton starts.
 CondensedContact::Step CondensedContact::solveLaw(const std::vector<PairLaw>& pairs, const Eigen::VectorXd& r,
                                                  const Eigen::VectorXd& lambda, const Eigen::VectorXd& s) {
-  const Model model{contact_, options_, pairs, r, path_, settled_, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
+  const Model model{contact_, options_, pairs, r, path_, isPathFirst_, settled_, vectors_.contact(lambda) + forcesOfGluing(s), vectors_.contact(s)};
   double left = 0;
   const Eigen::VectorXd sigma = model.solve(left).sigma;
   settled_ = model.s - sigma;

@@ -41,6 +41,7 @@ class CondensedContact {
   const DualVectors& vectors_;
   SubspaceNewtonOptions::Condensed options_;
   ConePath path_;
+  bool isPathFirst_ = false;  // a path solved the last model, other penalties did not
   Eigen::VectorXd settled_;  // [3 pairs] contact jumps where the last model was solved; empty before
 };
 

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactFactor.hpp"
 
+#include <cmath>
 #include <limits>
 
 namespace Haptos {
@@ -137,10 +138,26 @@ Eigen::VectorXd ContactFactor::solve(const Eigen::VectorXd& b) const {
   return withRest(d, y);
 }
 
-// Cholesky's method and LU are good for all but singular matrices.
+// Cholesky's method and LU are good for all but singular matrices.  Where x is far, as what is soft gives way, round-off leaves more of b: as long as
+// that is all, nothing else does better.
 bool ContactFactor::isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& b) const {
-  constexpr double kUseless = 1e-6;  // residual of a solution that is none
-  return x.allFinite() && residual(b, x).norm() <= kUseless * residual(b, solvedByPairs(b)).norm();
+  constexpr double kUseless = 1e-6, kLost = 1e-2;  // residual of a solution that is none; that has no digits
+  constexpr double kRoundOff = 1e-15;              // of the products in A M x and B x, which are 1e2 times what was seen
+  if (!x.allFinite()) return false;
+  const double left = residual(b, x).norm(), whole = residual(b, solvedByPairs(b)).norm();
+  return left <= kUseless * whole || (left <= kLost * whole && left <= kRoundOff * sizeOfProducts(x));
+}
+
+// (A M x)_i is a sum of products M_kj x_j, of which M_kk^1/2 (sum_j M_jj x_j^2)^1/2 is a bound of the root of their squares.
+double ContactFactor::sizeOfProducts(const Eigen::VectorXd& x) const {
+  const Eigen::VectorXd root = M_.diagonal().cwiseMax(0).cwiseSqrt();
+  const double energy = root.cwiseProduct(x).norm();
+  Eigen::VectorXd sizes = Eigen::VectorXd::Zero(Eigen::Index(rest_.size()));
+  for (Eigen::Index i = 0; i < sizes.size(); ++i) {
+    const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
+    for (Eigen::Index k = 0; k < 3; ++k) sizes[i] += std::abs(A(row, k)) * root[at + k] * energy + std::abs(B(row, k) * x[at + k]);
+  }
+  return sizes.norm();
 }
 
 // What nothing holds are motions of bodies mostly.

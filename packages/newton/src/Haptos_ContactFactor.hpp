@@ -27,7 +27,7 @@ class ContactFactor {
   static bool isSmallerByForces(const Eigen::MatrixXd& blocks);
 
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  /// \brief Whether x, of the `solve` of b, is a solution: a singular matrix has none, and no factor tells.
+  /// \brief Whether x, of the `solve` of b, is a solution as good as round-off lets it be: a singular matrix has none, and no factor tells.
   bool isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& b) const;
   /// \brief That of least norm, where there is none.
   Eigen::VectorXd solveLeastSquares(const Eigen::VectorXd& b) const;
@@ -44,6 +44,7 @@ class ContactFactor {
   void findRest();
   Eigen::VectorXd solvedByPairs(const Eigen::VectorXd& b) const;
   Eigen::VectorXd residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const;
+  double sizeOfProducts(const Eigen::VectorXd& x) const;
   Eigen::VectorXd withRest(Eigen::VectorXd x, const Eigen::VectorXd& rest) const;
   Eigen::MatrixXd restMatrix() const;
   Eigen::MatrixXd symmetricRestMatrix() const;

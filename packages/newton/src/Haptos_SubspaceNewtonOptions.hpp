@@ -140,7 +140,9 @@ struct SubspaceNewtonOptions {
     /// Before a path r times these, by so many steps, to so much of `reduction`: steps cost less than those of a path, which one scene needed three of
     /// for each direction (decisions/054).
     std::array<double, 2> otherPenalties{0.1, 0.01};
-    int patientSteps = 40;
+    /// Those that get there have 19 to 27, and are on their way after `newtonSteps`: at the rate of the last `courseSteps` it must not be more than
+    /// `patientSteps` to their end.  To 40 steps each time they took two thirds of a scene (decisions/054).
+    int patientSteps = 40, courseSteps = 8;
     double otherReduction = 0.1;
     /// Where a path has stages to begin at, and no coarse space serves both, Newton's method ends where the last so many steps leave more (decisions/040).
     int trialSteps = 2;

@@ -113,6 +113,33 @@ TEUCHOS_UNIT_TEST(CondensedContact, TriesOtherPenaltiesBeforeAPath) {
   TEST_COMPARE(otherLeft, <, 1e-8);
 }
 
+// Other penalties did not come to the end, and a path did: it comes first in the next model, as if there were no others.
+TEUCHOS_UNIT_TEST(CondensedContact, WhatSolvedTheLastModelComesFirst) {
+  const Scene t(false);
+  const Eigen::VectorXd stiff = 1e5 * t.r;
+  const auto productsOfTwo = [&](int patientSteps) {
+    const auto M = rcp(new CountedOperator(contactBlockOf(t.dual.M, t.dual.pairs)));
+    SubspaceNewtonOptions::Condensed options;
+    options.reduction = options.pathFrom = 1e-6, options.newtonSteps = 0, options.patientSteps = patientSteps, options.otherPenalties = {1, 1};
+    options.rowsOfStep = 1;  // products are counted: no dense matrix
+    const ContactMatrix matrix({M, Eigen::VectorXd::Ones(3 * t.vectors.numPairs())}, t.vectors, ContactMatrix::Kind::Products, options);
+    CondensedContact condensed(t.dual.M, matrix, options);
+    TEST_COMPARE(condensed.solveLaw(t.dual.pairs, stiff, t.myLambda, t.myS).left, <, 1e-6);
+    const long first = M->applications();
+    TEST_COMPARE(condensed.solveLaw(t.dual.pairs, stiff, t.myLambda, 3 * t.myS).left, <, 1e-6);
+    return std::pair(first, M->applications() - first);
+  };
+  const auto [first, second] = productsOfTwo(8);
+  const auto [firstAlone, secondAlone] = productsOfTwo(0);
+  out << "products " << first << ", then " << second << "; without other penalties " << firstAlone << ", then " << secondAlone << "\n";
+  TEST_COMPARE(first, >, firstAlone);
+  TEST_EQUALITY(second, secondAlone);
+  // steps that creep are not followed to the last one, which would be five times as many
+  const long patient = productsOfTwo(40).first;
+  out << "with up to 40 steps " << patient << "\n";
+  TEST_COMPARE(patient - firstAlone, <, 4 * (first - firstAlone));
+}
+
 // The next model begins where the last one was solved: what is solved already is solved closer, and costs less than from where nothing moves.
 TEUCHOS_UNIT_TEST(CondensedContact, BeginsWhereTheLastModelWasSolved) {
   const Scene t(false);
