@@ -377,7 +377,7 @@ void DeflatedPreconditioner::project(const SubdomainColumns& A, const SubdomainC
 }
 
 // With X = H B_D^T e of the rows e and T = (1 - H Z K^+ (C H Z)^T) X it is T^T C T: subdomain by subdomain, of which only those near a row have
-// an X.  X^T C T would do in exact numbers, and loses the digits of soft motions.
+// an X.  X^T C T would do in exact numbers, and loses the digits of soft motions; so would (H Z)^T (C H Z) of a slender one.
 Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) const {
   const auto& comm = *getRangeMap()->getComm();
   const int mine = int(rows.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
@@ -397,9 +397,8 @@ Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) co
   const Eigen::MatrixXd a = solve(sumOfAll(comm, CHZ_.gram(X)));
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(all, all);
   for (std::size_t i = 0; i < motions_.size(); ++i) {
-    const Eigen::MatrixXd T = HZ_.rest(i, X, a);
-    if (isHalved(i)) addGram(T, M);
-    else M.noalias() += T.transpose() * CHZ_.rest(i, CX, a);
+    if (isHalved(i)) addGram(HZ_.rest(i, X, a), M);
+    else HZ_.addEnergy(i, CHZ_, X, CX, a, M);
   }
   return sumOfAll(comm, Eigen::MatrixXd(M.selfadjointView<Eigen::Lower>()));
 }

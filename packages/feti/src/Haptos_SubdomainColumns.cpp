@@ -156,6 +156,47 @@ Eigen::MatrixXd SubdomainColumns::gram(const SubdomainColumns& C) const {
   return result;
 }
 
+// Ascending, those that are not zero on the subdomain
+Indices SubdomainColumns::columnsOf(std::size_t subdomain) const {
+  Indices columns;
+  for (const Block& block : *parts_[subdomain]) columns.insert(columns.end(), block.columns.begin(), block.columns.end());
+  std::sort(columns.begin(), columns.end());
+  return columns;
+}
+
+// [unknowns of the subdomain x columns], which are ascending and have all that are not zero there
+Eigen::MatrixXd SubdomainColumns::dense(std::size_t subdomain, const Indices& columns) const {
+  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[subdomain].size()), Eigen::Index(columns.size()));
+  for (const Block& block : *parts_[subdomain])
+    for (std::size_t j = 0; j < block.columns.size(); ++j) {
+      const auto place = std::lower_bound(columns.begin(), columns.end(), block.columns[j]) - columns.begin();
+      for (std::size_t k = 0; k < block.rows.size(); ++k) x(block.rows[k], place) = block.matrix()(Eigen::Index(k), Eigen::Index(j));
+    }
+  return x;
+}
+
+// With T_o on the columns that X has there, and -A a_r on the others, M is made of T_o^T C T_o, -T_o^T C A a_r and a_r^T (A^T C A) a_r.
+void SubdomainColumns::addEnergy(std::size_t subdomain, const SubdomainColumns& CA, const SubdomainColumns& X, const SubdomainColumns& CX,
+                                 const Eigen::MatrixXd& a, Eigen::MatrixXd& M) const {
+  const auto united = [](const Indices& l, const Indices& r) {
+    Indices both;
+    std::set_union(l.begin(), l.end(), r.begin(), r.end(), std::back_inserter(both));
+    return both;
+  };
+  const Indices motions = united(columnsOf(subdomain), CA.columnsOf(subdomain)), own = united(X.columnsOf(subdomain), CX.columnsOf(subdomain)),
+                all = upTo(X.cols_);
+  Indices others;
+  std::set_difference(all.begin(), all.end(), own.begin(), own.end(), std::back_inserter(others));
+  const Eigen::MatrixXd A = dense(subdomain, motions), CAi = CA.dense(subdomain, motions), ao = a(motions, own), ar = a(motions, others);
+  const Eigen::MatrixXd T = X.dense(subdomain, own) - product(A, ao), CT = CX.dense(subdomain, own) - product(CAi, ao);
+  M(own, own) += transposedProduct(T, CT);
+  if (others.empty()) return;
+  const Eigen::MatrixXd between = product(transposedProduct(T, CAi), ar);
+  M(own, others) -= between;
+  M(others, own) -= between.transpose();
+  M(others, others) += transposedProduct(ar, product(transposedProduct(A, CAi), ar));
+}
+
 // So many columns at a time as stay in a processor's own memory while all blocks are taken from them.
 Eigen::MatrixXd SubdomainColumns::rest(std::size_t subdomain, const SubdomainColumns& X, const Eigen::MatrixXd& a) const {
   constexpr Eigen::Index kColumns = 64;

@@ -46,6 +46,11 @@ class SubdomainColumns {
   Eigen::MatrixXd gram(const SubdomainColumns& C) const;
   /// \brief The unknowns of one local subdomain of X - A a [boundary unknowns x columns of X], a [n x columns of X].
   Eigen::MatrixXd rest(std::size_t subdomain, const SubdomainColumns& X, const Eigen::MatrixXd& a) const;
+  /// \brief M := M + T^T C T of one local subdomain, T = X - A a, with C symmetric there; C A, C X and a [n x columns of X] given, M of X's columns.
+  ///
+  /// Where X is 0 only the columns of A that reach the subdomain count, not its unknowns.
+  void addEnergy(std::size_t subdomain, const SubdomainColumns& CA, const SubdomainColumns& X, const SubdomainColumns& CX, const Eigen::MatrixXd& a,
+                 Eigen::MatrixXd& M) const;
 
  private:
   // Motions of one subdomain reach the same unknowns of a neighbour: they make one block.
@@ -57,6 +62,8 @@ class SubdomainColumns {
     Eigen::Map<const Eigen::MatrixXd> matrix() const { return {values.data(), Eigen::Index(rows.size()), Eigen::Index(columns.size())}; }
   };
   using Part = std::vector<Block>;
+  std::vector<Eigen::Index> columnsOf(std::size_t subdomain) const;
+  Eigen::MatrixXd dense(std::size_t subdomain, const std::vector<Eigen::Index>& columns) const;
 
   void appendColumn(const Piece& piece, Eigen::Index j, double negligible);
 

@@ -86,6 +86,27 @@ TEUCHOS_UNIT_TEST(SubdomainColumns, RestIsThatOfEverySubdomain) {
   }
 }
 
+// C is symmetric and mixes the unknowns of a subdomain; there are columns of A, of C A and of X that do not reach all subdomains.
+TEUCHOS_UNIT_TEST(SubdomainColumns, EnergyIsThatOfTheRest) {
+  const Columns A(1), X(3);
+  SubdomainColumns CA(kUnknowns), CX(kUnknowns);
+  Dense C = Dense::Zero(20, 20);
+  for (const auto& mine : kUnknowns) {
+    const Dense B = Dense::Random(Eigen::Index(mine.size()), Eigen::Index(mine.size()));
+    C(mine, mine) = B + B.transpose();
+  }
+  append(C * A.A, kUnknowns, CA);
+  append(C * X.A, kUnknowns, CX);
+  const Dense a = Dense::Random(9, 9), T = X.A - A.A * a;
+  Dense M = Dense::Ones(9, 9), expected = M;
+  for (std::size_t i = 0; i < kUnknowns.size(); ++i) {
+    A.blocks.addEnergy(i, CA, X.blocks, CX, a, M);
+    const Dense Ti = T(kUnknowns[i], Eigen::all);
+    expected += Ti.transpose() * C(kUnknowns[i], kUnknowns[i]) * Ti;
+    TEST_COMPARE((M - expected).norm(), <, 1e-13 * expected.norm());
+  }
+}
+
 // Columns that decay, and end in round-off each elsewhere, are one block, as are those without a zero or two; what lies elsewhere is another.
 TEUCHOS_UNIT_TEST(SubdomainColumns, ColumnsOfNearlyTheSameRowsAreOneBlock) {
   std::vector<Eigen::Index> unknowns(60);
