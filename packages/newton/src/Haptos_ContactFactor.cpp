@@ -142,7 +142,7 @@ Eigen::VectorXd ContactFactor::solve(const Eigen::VectorXd& b) const {
 // that is all, nothing else does better.
 bool ContactFactor::isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& b) const {
   constexpr double kUseless = 1e-6, kLost = 1e-2;  // residual of a solution that is none; that has no digits
-  constexpr double kRoundOff = 1e-15;              // of the products in A M x and B x, which are 1e2 times what was seen
+  constexpr double kRoundOff = 1e-15;              // of the products in A M x and B x: 1e2 times what was seen
   if (!x.allFinite()) return false;
   const double left = residual(b, x).norm(), whole = residual(b, solvedByPairs(b)).norm();
   return left <= kUseless * whole || (left <= kLost * whole && left <= kRoundOff * sizeOfProducts(x));
