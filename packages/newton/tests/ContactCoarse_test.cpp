@@ -116,6 +116,22 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, SolvesGroupsAndKeepsThoseOfOwnPairs) {
   TEST_COMPARE(error(scaled, matrixWith(3, 1)), <, 1e-6);
 }
 
+// A row of no multiplier has nothing in M, and open pairs nothing in B: the others are solved as without it.
+TEUCHOS_UNIT_TEST(SchwarzPreconditioner, RowsOfNoMultiplierHarmNoGroup) {
+  const Scene t(false);
+  constexpr Eigen::Index kNone = 7;
+  DenseMatrix M = t.contactM();
+  M.row(kNone).setZero(), M.col(kNone).setZero();
+  const ContactNumbering numbering(t.vectors);
+  SchwarzPreconditioner schwarz(numbering, groupsOf(t, M));
+  const std::size_t mine = t.dual.pairs.size();
+  schwarz.renew(1, numbering.blocksOfAll(ContactMatrix::Blocks(mine, Eigen::Matrix3d::Identity()), ContactMatrix::Blocks(mine, Eigen::Matrix3d::Zero())));
+  DenseMatrix G = M;
+  G(kNone, kNone) = 1;
+  const DenseVector r = numbers(kRows, 0.8), wanted = schwarzOf(G, r);
+  TEST_COMPARE(t.vectors.norm(schwarz.apply(t.contactPart(r)) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
+}
+
 // Errors of (M + K) d = b and of (A M + B) d = b, relative.
 Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
                        const SubspaceNewtonOptions::Condensed& options, bool hasGroups = true) {
