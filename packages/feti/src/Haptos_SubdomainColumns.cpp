@@ -167,11 +167,11 @@ Indices SubdomainColumns::columnsOf(std::size_t subdomain) const {
 // [unknowns of the subdomain x columns], which are ascending and have all that are not zero there
 Eigen::MatrixXd SubdomainColumns::dense(std::size_t subdomain, const Indices& columns) const {
   Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[subdomain].size()), Eigen::Index(columns.size()));
-  for (const Block& block : *parts_[subdomain])
-    for (std::size_t j = 0; j < block.columns.size(); ++j) {
-      const auto place = std::lower_bound(columns.begin(), columns.end(), block.columns[j]) - columns.begin();
-      for (std::size_t k = 0; k < block.rows.size(); ++k) x(block.rows[k], place) = block.matrix()(Eigen::Index(k), Eigen::Index(j));
-    }
+  for (const Block& block : *parts_[subdomain]) {
+    Indices places;
+    for (const Eigen::Index column : block.columns) places.push_back(std::lower_bound(columns.begin(), columns.end(), column) - columns.begin());
+    addTo(x, block.rows, places, 1.0, block.matrix());
+  }
   return x;
 }
 
@@ -200,8 +200,7 @@ void SubdomainColumns::addEnergy(std::size_t subdomain, const SubdomainColumns& 
 // So many columns at a time as stay in a processor's own memory while all blocks are taken from them.
 Eigen::MatrixXd SubdomainColumns::rest(std::size_t subdomain, const SubdomainColumns& X, const Eigen::MatrixXd& a) const {
   constexpr Eigen::Index kColumns = 64;
-  Eigen::MatrixXd x = Eigen::MatrixXd::Zero(Eigen::Index(unknowns_[subdomain].size()), X.cols_);
-  for (const Block& block : *X.parts_[subdomain]) addTo(x, block.rows, block.columns, 1.0, block.matrix());
+  Eigen::MatrixXd x = X.dense(subdomain, upTo(X.cols_));
   for (Eigen::Index first = 0; first < X.cols_; first += kColumns) {
     const Eigen::Index width = std::min(kColumns, X.cols_ - first);
     const Indices all = upTo(width);

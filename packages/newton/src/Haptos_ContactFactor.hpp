@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_ContactNumbering.hpp"
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_ForceFactor.hpp"
 
 namespace Haptos {
