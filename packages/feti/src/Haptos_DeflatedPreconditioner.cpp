@@ -5,17 +5,14 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <type_traits>
 
 #include "Haptos_DeflatedContactBlock.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_LocalSystems.hpp"
-#include "Haptos_NeighbourStiffness.hpp"
 #include "Haptos_PanelJumps.hpp"
 #include "Haptos_Reductions.hpp"
-#include "Haptos_SoftModes.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
@@ -23,7 +20,6 @@ namespace Haptos {
 namespace {
 
 constexpr int kColumnsOfZ = RowPanel::kColumns;  // that are made at a time
-constexpr double kStiffer = 4;         // theta of motions that are deflated: with 10 counts are half as high again (decisions/042)
 constexpr double kDependent = 1e-14;   // pivots of K with unit diagonal
 constexpr double kCancelled = 1e-12;   // of a motion: what its average has left by round-off, where clamps hold all of it
 
@@ -39,147 +35,30 @@ Eigen::MatrixXd timesRows(const Eigen::MatrixXd& A, const std::vector<Eigen::Ind
   return A(Eigen::all, rows) * X;
 }
 
-void append(const Eigen::MatrixXd& more, Eigen::MatrixXd& all) {
-  all.conservativeResize(Eigen::NoChange, all.cols() + more.cols());
-  all.rightCols(more.cols()) = more;
-}
-
 }  // namespace
 
-// How many columns there would be is known before they are made, and the same on all ranks.
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<char>& slender,
                                                                       const Spectra& spectra) {
-  const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
-  if (!result->findMotions(slender, spectra) || result->numMotions() > spectra.columns) return {};
-  result->assemble();
-  result->S_.assign(result->L_.size(), {});
-  return result;
+  return make(base, DeflatedMotions::find(*base, slender, spectra), spectra.columns);
 }
 
 RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, const std::vector<Eigen::MatrixXd>& soft) {
+  return make(base, DeflatedMotions::given(*base, soft), DeflatedMotions::kLargest);
+}
+
+// How many columns there would be is known before they are made, and the same on all ranks.
+RCP<const DeflatedPreconditioner> DeflatedPreconditioner::make(const RCP<const DualPreconditioner>& base, std::optional<DeflatedMotions> motions, long most) {
+  if (!motions || motions->count(*base->getRangeMap()->getComm()) > most) return {};
   const auto result = Teuchos::rcp(new DeflatedPreconditioner(base));
-  const LocalSystems& systems = base->systems();
-  result->L_.resize(std::size_t(systems.numClasses()));
-  result->S_.resize(result->L_.size());
-  for (int i = 0; i < systems.size(); ++i) {
-    result->motions_.push_back(result->rigidMotions(i));
-    append(soft[std::size_t(systems[i].congruenceClass)], result->motions_.back());
-  }
-  if (result->numMotions() > kLargest) return {};
-  result->assemble();
+  result->L_ = std::move(motions->L);
+  result->S_ = std::move(motions->S);
+  result->assemble(motions->ofSubdomains);
+  result->S_.assign(result->L_.size(), {});
   return result;
 }
 
 DeflatedPreconditioner::DeflatedPreconditioner(RCP<const DualPreconditioner> base)
     : base_(std::move(base)), HZ_(boundaryUnknowns()), CHZ_(boundaryUnknowns()) {}
-
-long DeflatedPreconditioner::numMotions() const {
-  long mine = 0;
-  for (const auto& motions : motions_) mine += motions.cols();
-  return sumOfAll(*getRangeMap()->getComm(), mine);
-}
-
-// Rigid motions of every subdomain, on its boundary unknowns, and soft ones: those of slender ones take the dense S apart into L^T L for
-// good, as S itself has lost the energies of soft motions to round-off, L has not.  Of others those that moving copies apart makes stiff.
-bool DeflatedPreconditioner::findMotions(const std::vector<char>& slender, const Spectra& spectra) {
-  const LocalSystems& systems = base_->systems();
-  motions_.resize(std::size_t(systems.size()));
-  L_.resize(std::size_t(systems.numClasses()));
-  S_.resize(L_.size());
-  const auto isSlender = [&](int c) { return slender[std::size_t(systems.members()[std::size_t(c)].front())] != 0; };
-  const auto hasSpectrum = [&](int c) { return !isSlender(c) && int(base_->surface().boundary(c).size()) <= spectra.largestBoundary; };
-  bool mine = false;
-  for (int c = 0; c < systems.numClasses(); ++c) mine = mine || hasSpectrum(c);
-  const bool any = anyOfAll(*getRangeMap()->getComm(), mine);
-  std::vector<SoftSpectrum> soft(L_.size());
-  for (int c = 0; c < systems.numClasses(); ++c) {
-    const auto& members = systems.members()[std::size_t(c)];
-    const Eigen::MatrixXd rigid = rigidMotions(members.front());
-    for (int i : members) motions_[std::size_t(i)] = rigid;
-    if (!isSlender(c) && !hasSpectrum(c)) continue;
-    Eigen::MatrixXd Sc = denseOf(c);
-    if (isSlender(c)) {
-      soft[std::size_t(c)] = softSpectrum(Sc, rigid);
-      L_[std::size_t(c)] = std::move(soft[std::size_t(c)].L);
-    }
-    if (any) S_[std::size_t(c)] = std::move(Sc);
-  }
-  takeSoftModes(soft, spectra.columns);
-  return !any || takeSpectralModes(findSpectralModes(S_, spectra), spectra);
-}
-
-// Where there are too many, the softest: what is left out costs far less than soft motions without any (decisions/016).
-void DeflatedPreconditioner::takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns) {
-  const auto& members = base_->systems().members();
-  const auto below = [&](std::size_t c, double bound) { return (soft[c].mu.array() * bound < 1).count(); };
-  const double bound = boundThatLeaves(columns - numMotions(), 1, [&](double b) {
-    long mine = 0;
-    for (std::size_t c = 0; c < soft.size(); ++c) mine += below(c, b) * long(members[c].size());
-    return mine;
-  });
-  for (std::size_t c = 0; c < soft.size(); ++c)
-    if (const Eigen::Index k = below(c, bound); k > 0)
-      for (int i : members[c]) append(soft[c].modes.leftCols(k), motions_[std::size_t(i)]);
-}
-
-Eigen::MatrixXd DeflatedPreconditioner::rigidMotions(int i) const {
-  const LocalSystem& system = base_->systems()[i];
-  const auto& dofs = base_->surface().boundary(system.congruenceClass);
-  Eigen::MatrixXd rigid(Eigen::Index(dofs.size()), system.R().cols());
-  for (std::size_t k = 0; k < dofs.size(); ++k) rigid.row(Eigen::Index(k)) = system.R().row(dofs[k]);
-  return rigid;
-}
-
-Eigen::MatrixXd DeflatedPreconditioner::denseOf(int congruenceClass) const {
-  std::vector<int> all(base_->surface().boundary(congruenceClass).size());
-  std::iota(all.begin(), all.end(), 0);
-  return base_->surface().block(congruenceClass, all);
-}
-
-// [local subdomains] of those that are not slender.  Congruent ones among the same neighbours have the same modes: energies are compared by their
-// products with one vector.  Ends where this rank alone has too many that are too stiff to be left out.
-std::vector<SpectralModes> DeflatedPreconditioner::findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const {
-  constexpr double kAlike = 1e-10;
-  const LocalSystems& systems = base_->systems();
-  std::vector<SpectralModes> spectral(motions_.size());
-  const NeighbourStiffness neighbours(*base_, S);
-  long stiffest = 0;
-  for (std::size_t c = 0; c < S.size() && stiffest <= wanted.most; ++c) {
-    if (S[c].size() == 0 || L_[c].size() > 0) continue;
-    const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S[c].rows(), 1, 2);
-    std::vector<std::pair<Eigen::VectorXd, int>> known;
-    for (int i : systems.members()[c]) {
-      const Eigen::MatrixXd energy = neighbours.energy(i);
-      const Eigen::VectorXd print = energy * probe;
-      const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
-      spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S[c], energy, rigidMotions(i), kStiffer);
-      if (same == known.end()) known.emplace_back(print, i);
-      stiffest += (spectral[std::size_t(i)].theta.array() > wanted.stiffestLeft).count();
-    }
-  }
-  return spectral;
-}
-
-// Where there are too many, those that matter least are left out.
-bool DeflatedPreconditioner::takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted) {
-  const auto above = [](const SpectralModes& s, double bound) { return (s.theta.array() > bound).count(); };
-  const double bound = boundThatLeaves(std::min(wanted.most, wanted.columns - numMotions()), kStiffer, [&](double b) {
-    long mine = 0;
-    for (const auto& s : spectral) mine += above(s, b);
-    return mine;
-  });
-  if (bound > wanted.stiffestLeft) return false;
-  for (std::size_t i = 0; i < spectral.size(); ++i)
-    if (spectral[i].modes.cols() > 0) append(spectral[i].modes.leftCols(above(spectral[i], bound)), motions_[i]);
-  return true;
-}
-
-// The same for all ranks: the first of growing ones beyond which they have at most so many together, or that is infinite.
-double DeflatedPreconditioner::boundThatLeaves(long most, double bound, const std::function<long(double)>& countMine) const {
-  constexpr double kStep = 1.25;
-  while (std::isfinite(bound) && sumOfAll(*getRangeMap()->getComm(), countMine(bound)) > std::max(0L, most)) bound *= kStep;
-  return bound;
-}
 
 // t_i := local(class, t_i) on the boundary unknowns of every subdomain, all columns at once that are not zero there
 template <class Local>
@@ -255,7 +134,7 @@ bool DeflatedPreconditioner::isHalved(std::size_t subdomain) const {
 
 // C = 1 there.
 void DeflatedPreconditioner::shareSlender(const SubdomainColumns& half, SubdomainColumns& rest) const {
-  for (std::size_t i = 0; i < motions_.size(); ++i)
+  for (std::size_t i = 0; i < std::size_t(base_->systems().size()); ++i)
     if (isHalved(i)) rest.share(i, half);
 }
 
@@ -285,11 +164,11 @@ Eigen::MatrixXd DeflatedPreconditioner::timesS(int congruenceClass, const Subdom
 }
 
 // H Z and C H Z, `kColumnsOfZ` columns at a time over all ranks (a motion of one rank has averages on others), and K = (H Z)^T (C H Z).
-void DeflatedPreconditioner::assemble() {
+void DeflatedPreconditioner::assemble(const std::vector<Eigen::MatrixXd>& motions) {
   const auto& comm = *getRangeMap()->getComm();
   std::vector<std::array<int, 2>> columns;  // of this rank
   for (int i = 0; i < base_->systems().size(); ++i)
-    for (int m = 0; m < int(motions_[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
+    for (int m = 0; m < int(motions[std::size_t(i)].cols()); ++m) columns.push_back({i, m});
   const int mine = int(columns.size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
   shareSlender(HZ_, CHZ_);
   PanelJumps jumps(*base_);
@@ -298,7 +177,7 @@ void DeflatedPreconditioner::assemble() {
     t.clear();
     for (int own = std::max(first - before, 0); own < std::min(first + kColumnsOfZ - before, mine); ++own) {
       const auto& [i, m] = columns[std::size_t(own)];
-      const auto motion = motions_[std::size_t(i)].col(m);
+      const auto motion = motions[std::size_t(i)].col(m);
       for (Eigen::Index k = 0; k < motion.size(); ++k) t.fill(jumps.first(std::size_t(i)) + std::size_t(k))[own + before - first] = motion[k];
     }
     averageMotions(jumps, t);
@@ -396,7 +275,7 @@ Eigen::MatrixXd DeflatedPreconditioner::between(const std::vector<int>& rows) co
   }
   const Eigen::MatrixXd a = solve(sumOfAll(comm, CHZ_.gram(X)));
   Eigen::MatrixXd M = Eigen::MatrixXd::Zero(all, all);
-  for (std::size_t i = 0; i < motions_.size(); ++i) {
+  for (std::size_t i = 0; i < std::size_t(base_->systems().size()); ++i) {
     if (isHalved(i)) addGram(HZ_.rest(i, X, a), M);
     else HZ_.addEnergy(i, CHZ_, X, CX, a, M);
   }

@@ -3,13 +3,12 @@
 #include <Eigen/Core>
 #include <array>
 #include <functional>
-#include <limits>
 #include <memory>
+#include <optional>
 
+#include "Haptos_DeflatedMotions.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DualPreconditioner.hpp"
-#include "Haptos_SoftModes.hpp"
-#include "Haptos_SpectralModes.hpp"
 #include "Haptos_SubdomainColumns.hpp"
 
 namespace Haptos {
@@ -28,22 +27,7 @@ class PanelJumps;
 /// Every column of Z costs an application of M once.
 class DeflatedPreconditioner final : public Operator {
  public:
-  static constexpr long kLargest = 5000;  ///< columns of Z
-  /// Unknowns of a subdomain's boundary up to which its spectral modes are had for as much as some tens of iterations, and up to which its
-  /// dense matrices are made at all, and slender ones have soft motions: an eigenproblem takes 2 s at 2600 of them (decisions/016, 042).
-  static constexpr int kUsualSpectrum = 1000, kLargestSpectrum = 5000;
-  static constexpr long kMostRigid = 2000;  ///< columns that are rigid motions, for spectral modes to come beside them
-
-  /// \brief Which spectral modes are looked for: by default as many as are likely to pay for themselves.
-  struct Spectra {
-    int largestBoundary = kUsualSpectrum;  ///< in subdomains with so many unknowns that rows touch, or fewer
-    long most = 2000;                      ///< of all subdomains, the stiffest ones
-    /// If that leaves out stiffer ones there are none: what is left is as bad as S of a capped Poisson's ratio, which is cheap (decisions/050).
-    double stiffestLeft = 8;
-    long columns = kLargest;  ///< of Z; where there are more soft motions than that, the softest are taken
-    /// \brief As many as Z can have, however stiff those are that it cannot: where nothing else leads to an answer.
-    static Spectra atAnyPrice() { return {kLargestSpectrum, kLargest, std::numeric_limits<double>::infinity()}; }
-  };
+  using Spectra = DeflatedMotions::Spectra;
 
   /// \brief Null where rigid motions alone are more than Z may have, or spectral modes more than are wanted.  Collective.
   ///
@@ -87,21 +71,14 @@ class DeflatedPreconditioner final : public Operator {
 
  private:
   explicit DeflatedPreconditioner(RCP<const DualPreconditioner> base);
-  bool findMotions(const std::vector<char>& slender, const Spectra& spectra);
-  long numMotions() const;
-  Eigen::MatrixXd rigidMotions(int subdomain) const;
-  Eigen::MatrixXd denseOf(int congruenceClass) const;
-  std::vector<SpectralModes> findSpectralModes(const std::vector<Eigen::MatrixXd>& S, const Spectra& wanted) const;
-  void takeSoftModes(const std::vector<SoftSpectrum>& soft, long columns);
-  bool takeSpectralModes(const std::vector<SpectralModes>& spectral, const Spectra& wanted);
-  double boundThatLeaves(long most, double bound, const std::function<long(double)>& countMine) const;
+  static RCP<const DeflatedPreconditioner> make(const RCP<const DualPreconditioner>& base, std::optional<DeflatedMotions> motions, long most);
   void toHalf(MultiVector& t) const;
   void fromHalf(MultiVector& t) const;
   void averageMotions(PanelJumps& jumps, RowPanel& t) const;
   void applyRest(MultiVector& t) const;
   template <class Local>
   void onSubdomains(MultiVector& t, Local&& local) const;
-  void assemble();
+  void assemble(const std::vector<Eigen::MatrixXd>& motions);
   Eigen::MatrixXd rowsOfBCZ(const std::vector<int>& rows) const;
   Eigen::MatrixXd rootOfDeflation(const Eigen::MatrixXd& Y) const;
   void factor(const Eigen::MatrixXd& K);
@@ -115,10 +92,9 @@ class DeflatedPreconditioner final : public Operator {
 
   RCP<const DualPreconditioner> base_;
   // S_i = H_i^T C_i H_i: H = L and C = 1 in slender subdomains, H = 1 and C = S in others.
-  std::vector<Eigen::MatrixXd> motions_;  // [local subdomains] on the boundary
-  std::vector<Eigen::MatrixXd> L_;        // [classes] empty where subdomains are not slender
-  std::vector<Eigen::MatrixXd> S_;        // [classes] while K is made; empty, or of those whose spectra are looked for
-  SubdomainColumns HZ_, CHZ_;             // [local primal x coarse]
+  std::vector<Eigen::MatrixXd> L_;  // [classes] empty where subdomains are not slender
+  std::vector<Eigen::MatrixXd> S_;  // [classes] while K is made; empty, or of those whose spectra are looked for
+  SubdomainColumns HZ_, CHZ_;       // [local primal x coarse]
   mutable long applications_ = 0;
   Eigen::VectorXd scale_;   // [coarse] 1 / sqrt(diag K)
   std::unique_ptr<const PivotedCholesky> factor_;  // of K scaled to unit diagonal

@@ -134,7 +134,7 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheStiffestModes) {
   const int rigid = 6 * t.scene.partition.count, spectral = t.deflated->numCoarse() - rigid;
   TEST_COMPARE(spectral, >, 4);
   const auto with = [&](long most, double stiffestLeft) {
-    DeflatedPreconditioner::Spectra wanted;
+    DeflatedMotions::Spectra wanted;
     wanted.most = most;
     wanted.stiffestLeft = stiffestLeft;
     return DeflatedPreconditioner::make(t.M, t.slender, wanted);
@@ -152,7 +152,7 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheSoftestModes) {
   const Setup t(0.02);
   const int rigid = 6 * t.scene.partition.count, soft = t.deflated->numCoarse() - rigid;
   const auto with = [&](int columns) {
-    DeflatedPreconditioner::Spectra wanted;
+    DeflatedMotions::Spectra wanted;
     wanted.columns = columns;
     return DeflatedPreconditioner::make(t.M, t.slender, wanted);
   };

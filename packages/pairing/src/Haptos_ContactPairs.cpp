@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <iterator>
 #include <map>
-#include <numeric>
 #include <optional>
 #include <set>
 #include <sstream>
@@ -13,6 +12,7 @@
 #include "Haptos_ContactSurface.hpp"
 #include "Haptos_FacetTree.hpp"
 #include "Haptos_InputCheck.hpp"
+#include "Haptos_MortarSides.hpp"
 #include "Haptos_MultiplierRules.hpp"
 #include "Haptos_PointwiseGap.hpp"
 #include "Haptos_SurfaceMatching.hpp"
@@ -178,41 +178,6 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
                               std::to_string(match.mismatched) +
                               " faces do not (other diagonals, triangles on quadrilaterals): nodal pressures "
                               "are less accurate there");
-}
-
-// Largest Young's modulus of the elements at a surface.
-double stiffnessAt(const Mesh& mesh, const ContactSurroundings& around, const std::string& sideSet) {
-  double stiffness = 0;
-  const auto offsets = blockOffsets(mesh);
-  for (const auto& side : mesh.sideSets[std::size_t(findSideSet(mesh, sideSet))].sides)
-    stiffness = std::max(stiffness, around.youngsModulus[std::size_t(locateElement(offsets, side.element).block)]);
-  return stiffness;
-}
-
-double meanArea(const ContactSurface& surface) {
-  return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / double(surface.faces.size());
-}
-
-// Whether supports prescribe the motion of all nodes along their normals.
-bool isHeld(const ContactSurface& surface, const ContactSurroundings& around) {
-  for (std::size_t i = 0; i < surface.numNodes() && !around.isPrescribed.empty(); ++i)
-    if (!isNormalHeld(around.isPrescribed[std::size_t(surface.nodes[i])], surface.normals[i])) return false;
-  return !around.isPrescribed.empty();
-}
-
-// Why the sides of a mortar interface are to be exchanged; empty: they are not.
-std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
-                             const ContactSurface& primary) {
-  constexpr double kStiffer = 1.5, kFiner = 0.8;  // ratios that differ by more than chance
-  if (spec.sides == ContactSides::AsGiven) return "";
-  const bool isDriven = isHeld(secondary, around), isPrimaryDriven = isHeld(primary, around);
-  if (isDriven != isPrimaryDriven) return isDriven ? "which is not held" : "";
-  if (!around.youngsModulus.empty()) {
-    const double E1 = stiffnessAt(mesh, around, spec.secondarySideSet), E2 = stiffnessAt(mesh, around, spec.primarySideSet);
-    if (E1 > kStiffer * E2) return "the softer of the two";
-    if (E2 > kStiffer * E1) return "";
-  }
-  return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer of the two" : "";
 }
 
 // Patch by patch, but for ties, which have no normals.  What is covered is integrated now; which nodes carry multipliers is decided

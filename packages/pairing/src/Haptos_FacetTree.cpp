@@ -81,25 +81,29 @@ bool FacetTree::meets(const Box& box, const std::array<double, 3>& origin,
 }
 
 // Boxes that the line misses are left out with all that is in them; the line has no end on either side.
-void FacetTree::facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
-                               std::vector<int>& facets, double margin) const {
+int FacetTree::facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
+                              std::vector<int>& facets, double margin) const {
   facets.clear();
-  if (nodes_.empty()) return;
+  if (nodes_.empty()) return 0;
+  int compared = 0;
+  const auto isMet = [&](const Box& box) {
+    ++compared;
+    return meets(box, origin, direction, margin);
+  };
   std::vector<int> stack = {0};
   while (!stack.empty()) {
     const Node& node = nodes_[std::size_t(stack.back())];
     stack.pop_back();
-    if (!meets(node.box, origin, direction, margin)) continue;
+    if (!isMet(node.box)) continue;
     if (node.left >= 0) {
       stack.push_back(node.right);
       stack.push_back(node.left);
       continue;
     }
-    for (int i = node.begin; i < node.end; ++i) {
-      const int facet = order_[std::size_t(i)];
-      if (meets(boxes_[std::size_t(facet)], origin, direction, margin)) facets.push_back(facet);
-    }
+    for (int i = node.begin; i < node.end; ++i)
+      if (const int facet = order_[std::size_t(i)]; isMet(boxes_[std::size_t(facet)])) facets.push_back(facet);
   }
+  return compared;
 }
 
 }  // namespace Haptos

@@ -18,8 +18,9 @@ class FacetTree {
 
   /// \brief Faces whose box, grown by a quarter of the face's diameter and by `margin`, meets the line; replaces `facets`.
   /// \param direction need not be of length 1
-  void facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
-                      std::vector<int>& facets, double margin = 0) const;
+  /// \return how many boxes were compared with the line, which is what a query costs
+  int facetsNearLine(const std::array<double, 3>& origin, const std::array<double, 3>& direction,
+                     std::vector<int>& facets, double margin = 0) const;
 
  private:
   struct Box {

@@ -37,12 +37,11 @@ bool contains(const ContactSurface& surface, std::int64_t node) {
   return std::binary_search(surface.nodes.begin(), surface.nodes.end(), node);
 }
 
-// Of a tie all three components must be held, of a contact its normal: a row that only moves other nodes would repeat what supports say.
+// A row that only moves other nodes would repeat what supports say.
 void barHeldNodes(const ContactSurroundings& around, MortarDraft& draft, ContactInterface& interface) {
   if (around.isPrescribed.empty()) return;
   const auto isHeld = [&](std::size_t i) {
-    const auto& held = around.isPrescribed[std::size_t(draft.secondary.nodes[i])];
-    return draft.spec->tied ? held[0] && held[1] && held[2] : isNormalHeld(held, draft.secondary.normals[i]);
+    return isHeldFor(*draft.spec, around.isPrescribed[std::size_t(draft.secondary.nodes[i])], draft.secondary.normals[i]);
   };
   bar(draft, Bar::Held, isHeld, "are held by prescribed displacements", interface.remarks, interface.name);
 }
@@ -181,6 +180,10 @@ bool isNormalHeld(const std::array<char, 3>& held, const Vec3::Array& normal) {
   for (std::size_t d = 0; d < 3; ++d)
     if (held[d]) left[d] = 0;
   return Vec3::norm(left) < kHeldNormal;
+}
+
+bool isHeldFor(const ContactSpec& spec, const std::array<char, 3>& held, const Vec3::Array& normal) {
+  return spec.tied ? held[0] && held[1] && held[2] : isNormalHeld(held, normal);
 }
 
 std::vector<std::vector<std::int64_t>> nodesThatCloseCircles(const std::vector<ContactSpec>& specs, const std::vector<ContactInterface>& interfaces) {

@@ -13,6 +13,9 @@ namespace Haptos {
 /// \param held its components
 bool isNormalHeld(const std::array<char, 3>& held, const std::array<double, 3>& normal);
 
+/// \brief Whether supports take a node its multiplier: of a tie all three components must be held, of a contact its normal.
+bool isHeldFor(const ContactSpec& spec, const std::array<char, 3>& held, const std::array<double, 3>& normal);
+
 /// \brief Where pairs node to node go round in a circle, as where three bodies meet: the jump of one is the sum of the others', and forces may go round.
 ///
 /// Pairs without friction hold along their normal only, and count where all of these are alike.

@@ -88,6 +88,36 @@ ContactInterface mortarBetween(const Mesh& mesh, bool tied = false, MultiplierSp
   return buildContact(mesh, {spec})[0];
 }
 
+// Finer faces, one across, of which supports hold one edge: multipliers on what is left of them, a line, would let the upper body tilt.
+TEUCHOS_UNIT_TEST(QuadraticMortar, sides_that_would_leave_one_row_are_not_exchanged) {
+  for (const Topology element : {Topology::Hex8, Topology::Hex20, Topology::Hex27})
+    for (const int across : {1, 2})
+      for (const bool isTied : {false, true}) {
+        Stack stack;
+        stack.lowerDivisions = {9, across, 1};
+        stack.upperDivisions = {4, across, 1};
+        const Mesh mesh = stackOf(element, element, stack);
+        ContactSpec spec = contact();
+        spec.discretization = Discretization::Mortar;
+        spec.tied = isTied;
+        ContactSurroundings around;
+        for (const auto& x : mesh.coordinates) {
+          const char held = x[1] < 1e-9;
+          around.isPrescribed.push_back({held, held, held});
+        }
+        // the upper body has nodes at the same places
+        const std::int64_t firstUpper = *std::min_element(mesh.blocks[1].connectivity.begin(), mesh.blocks[1].connectivity.end());
+        std::fill(around.isPrescribed.begin() + firstUpper, around.isPrescribed.end(), std::array<char, 3>{});
+        const auto interface = buildContact(mesh, {spec}, around)[0];
+        const bool isUpper = std::all_of(interface.pairs.begin(), interface.pairs.end(), [&](const auto& pair) { return pair.secondaryNode >= firstUpper; });
+        TEST_EQUALITY(isUpper, across == 1);
+        std::swap(spec.secondarySideSet, spec.primarySideSet);  // and become so where they are given so
+        const auto exchanged = buildContact(mesh, {spec}, around)[0];
+        TEST_EQUALITY(exchanged.pairs.size(), interface.pairs.size());
+        TEST_EQUALITY(exchanged.pairs[0].secondaryNode >= firstUpper, isUpper);
+      }
+}
+
 // On a face with all multipliers the row of a corner is its own displacement, that of a middle (5 u_m - u_c1 - u_c2) / 3; of 9 nodes each
 // its own.
 TEUCHOS_UNIT_TEST(QuadraticMortar, rows_between_plane_surfaces_meshed_apart) {

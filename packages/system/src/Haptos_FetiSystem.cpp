@@ -171,7 +171,7 @@ void FetiSystem::findSlender() {
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i) {
     const double aspect = aspectOf(model_.stiffness->coordinates(i));
-    slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedPreconditioner::kLargestSpectrum);
+    slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedMotions::kLargestSpectrum);
     flatAndAll[0] += aspect > kFlat;
   }
   flatAndAll = sumOfAll(*model_.comm, flatAndAll);
@@ -188,12 +188,12 @@ void FetiSystem::findLargestBoundary() {
 // Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is
 // dense.
 bool FetiSystem::hasSpectra(int largestSpectrum) const {
-  return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedPreconditioner::kMostRigid;
+  return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedMotions::kMostRigid;
 }
 
 // Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
 // volume.
-RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedPreconditioner::Spectra& spectra) const {
+RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions::Spectra& spectra) const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
   SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));

@@ -63,13 +63,13 @@ class FetiSystem {
   int largestBoundary() const { return largestBoundary_; }  ///< unknowns of any subdomain's boundary that rows touch
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
-  RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedPreconditioner::Spectra& spectra) const;
+  RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedMotions::Spectra& spectra) const;
   /// \brief The preconditioner with rigid motions and soft polynomials of subdomains deflated, several times cheaper; null where there are too many.
   /// Collective.
   RCP<const DeflatedPreconditioner> makeDeflatedByPolynomials() const;
   /// \brief Whether these are likely to help: most subdomains bend as plates do, none is slender.
   bool mayDeflateByPolynomials() const {
-    return areFlat_ && kind_ == PreconditionerKind::Dirichlet && !needsDeflation() && G_->dimension() <= DeflatedPreconditioner::kMostRigid;
+    return areFlat_ && kind_ == PreconditionerKind::Dirichlet && !needsDeflation() && G_->dimension() <= DeflatedMotions::kMostRigid;
   }
 
  private:

@@ -69,11 +69,10 @@ bool takesMore(long many, long k, double residual, double tolerance) { return do
 
 // Polynomials are cheap; spectral motions of large subdomains cost far more than those of others: these alone come first.
 PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
-  using Deflated = DeflatedPreconditioner;
   const FetiSystem& system = context_.system;
   if (!system.preconditioner().is_null()) {
-    if (system.largestBoundary() > Deflated::kUsualSpectrum) cures_.push_back({Deflated::kLargestSpectrum});
-    cures_.push_back({Deflated::kUsualSpectrum});
+    if (system.largestBoundary() > DeflatedMotions::kUsualSpectrum) cures_.push_back({DeflatedMotions::kLargestSpectrum});
+    cures_.push_back({DeflatedMotions::kUsualSpectrum});
     if (system.mayDeflateByPolynomials()) cures_.push_back({Cure::kPolynomials});
   }
   begin(context_.start);
@@ -106,7 +105,7 @@ void PcpgSolver::deflate() {
   const FetiSystem& system = context_.system;
   const Cure cure = cures_.back();
   cures_.pop_back();
-  deflated_ = cure.isPolynomials() ? system.makeDeflatedByPolynomials() : system.makeDeflated(DeflatedPreconditioner::Spectra{cure.largestBoundary});
+  deflated_ = cure.isPolynomials() ? system.makeDeflatedByPolynomials() : system.makeDeflated(DeflatedMotions::Spectra{cure.largestBoundary});
   use(deflated_.is_null() ? RCP<const Operator>(system.preconditioner()) : RCP<const Operator>(deflated_));
 }
 

@@ -97,11 +97,11 @@ struct SubspaceNewtonSolver::Impl {
 
   // Of large parts only where elements are hard: ordinary ones pay three to five times the seconds for half of the multiplications (decisions/042).
   ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
-    using Made = DeflatedPreconditioner;
-    const Made::Spectra usual{context.system.model().isHard ? Made::kLargestSpectrum : Made::kUsualSpectrum};
-    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Made::Spectra::atAnyPrice() : usual);
+    using Spectra = DeflatedMotions::Spectra;
+    const Spectra usual{context.system.model().isHard ? DeflatedMotions::kLargestSpectrum : DeflatedMotions::kUsualSpectrum};
+    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Spectra::atAnyPrice() : usual);
     if (deflated.is_null()) return {};
-    const Made::Block block = deflated->contactBlock();
+    const DeflatedPreconditioner::Block block = deflated->contactBlock();
     ContactOperators::Deflated made{deflated, block.M, trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
     made.smoothJumps = [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); };
     made.groups = [system = &context.system] { return groupsOfPairs(*system->model().multipliers, placesOfPairs(*system)); };

@@ -1,0 +1,85 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#include "Haptos_MortarSides.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <iterator>
+#include <numeric>
+#include <vector>
+
+#include "Haptos_FaceShapes.hpp"
+#include "Haptos_MultiplierRules.hpp"
+#include "Haptos_Vec3.hpp"
+
+namespace Haptos {
+namespace {
+
+// Largest Young's modulus of the elements at a surface.
+double stiffnessAt(const Mesh& mesh, const ContactSurroundings& around, const std::string& sideSet) {
+  double stiffness = 0;
+  const auto offsets = blockOffsets(mesh);
+  for (const auto& side : mesh.sideSets[std::size_t(findSideSet(mesh, sideSet))].sides)
+    stiffness = std::max(stiffness, around.youngsModulus[std::size_t(locateElement(offsets, side.element).block)]);
+  return stiffness;
+}
+
+double meanArea(const ContactSurface& surface) {
+  return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / double(surface.faces.size());
+}
+
+// Whether supports leave a node to a multiplier.
+std::vector<char> findFree(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
+  std::vector<char> isFree(surface.numNodes(), 1);
+  for (std::size_t i = 0; i < surface.numNodes() && !around.isPrescribed.empty(); ++i)
+    isFree[i] = !isHeldFor(spec, around.isPrescribed[std::size_t(surface.nodes[i])], surface.normals[i]);
+  return isFree;
+}
+
+// Positions of multipliers, as `chooseMultipliers` takes them where all is covered: all nodes of a face that is free, free corners of others,
+// one of those that have none.
+std::vector<int> findCarriers(const ContactSpec& spec, const ContactSurface& surface, const std::vector<char>& isFree) {
+  std::vector<int> carriers;
+  const auto isFreeAt = [&](int node) { return isFree[std::size_t(node)] != 0; };
+  for (const SurfaceFace& face : surface.faces) {
+    const auto first = face.nodes.begin(), corners = first + numCorners(face.size), end = first + face.size;
+    const bool isFull = spec.multiplierSpace != MultiplierSpace::Linear && std::all_of(first, end, isFreeAt);
+    if (std::none_of(first, corners, isFreeAt)) carriers.push_back(*first);
+    std::copy_if(first, isFull ? end : corners, std::back_inserter(carriers), isFreeAt);
+  }
+  return carriers;
+}
+
+// How many motions multipliers resist: none where all is held, 1 if they are at a point, 2 on a line, about which bodies may tilt, 3 on a surface.
+int rankOfMultipliers(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
+  constexpr double kThin = 1e-6;  // of the longest extent
+  const auto isFree = findFree(spec, around, surface);
+  if (std::none_of(isFree.begin(), isFree.end(), [](char free) { return free != 0; })) return 0;
+  const auto carriers = findCarriers(spec, surface, isFree);
+  Eigen::Matrix3Xd offsets(3, Eigen::Index(carriers.size()));
+  for (std::size_t k = 0; k < carriers.size(); ++k) {
+    const auto offset = Vec3::subtract(surface.coordinates[std::size_t(carriers[k])], surface.coordinates[std::size_t(carriers.front())]);
+    offsets.col(Eigen::Index(k)) = Eigen::Vector3d(offset.data());
+  }
+  Eigen::ColPivHouseholderQR<Eigen::Matrix3Xd> qr;
+  qr.setThreshold(kThin);
+  qr.compute(offsets);
+  return 1 + std::min(2, int(qr.rank()));
+}
+
+}  // namespace
+
+std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
+                             const ContactSurface& primary) {
+  constexpr double kStiffer = 1.5, kFiner = 0.8;  // ratios that differ by more than chance
+  if (spec.sides == ContactSides::AsGiven) return "";
+  const int rank = rankOfMultipliers(spec, around, secondary), primaryRank = rankOfMultipliers(spec, around, primary);
+  if (rank != primaryRank) return rank > primaryRank ? "" : rank == 0 ? "which is not held" : "which supports leave more nodes";
+  if (!around.youngsModulus.empty()) {
+    const double E1 = stiffnessAt(mesh, around, spec.secondarySideSet), E2 = stiffnessAt(mesh, around, spec.primarySideSet);
+    if (E1 > kStiffer * E2) return "the softer of the two";
+    if (E2 > kStiffer * E1) return "";
+  }
+  return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer of the two" : "";
+}
+
+}  // namespace Haptos
