@@ -57,8 +57,7 @@ void SubspaceNewtonRun::start() {
 
 // Rigid bodies on springs r at the pairs, H^T P(r H a) = load, give contact forces that carry the loads.  With the deformation s
 // that these cause, x = lambda + r s in P(x + r H a) gives the motions a.  The friction is that of the first level: near its
-// limit rigid bodies run away at the true one.  Where friction hardly resists they slide far, for which balanced directions make up on the
-// way through the levels; condensed ones, which have none, start with the least jumps.
+// limit rigid bodies run away at the true one.
 void SubspaceNewtonRun::startOnFoundation() {
   const std::vector<PairLaw> easier = scaledCoefficients(dual_.pairs, options_.continuation.firstFactor);
   const auto solve = [&](const Eigen::VectorXd& x) { return solveFoundation(easier, x, r_, balance_, options_.foundation); };
@@ -67,11 +66,17 @@ void SubspaceNewtonRun::startOnFoundation() {
   balance_.balance(state_.lambda, dual_.e);  // G lambda = e by the gluing rows
   liftRest();
   state_.s = jumpsOf(state_.lambda);
+  const Eigen::VectorXd least = state_.s - balance_.nearestMotion(state_.s);
+  if (directions_.isCondensed()) {  // they would not make up for slides on the way through levels, of which they have none
+    state_.s = least;
+    return;
+  }
   Eigen::VectorXd x = vectors_.contact(state_.s);
   for (Eigen::Index i = 0; i < r_.size(); ++i) x.segment<3>(3 * i) *= r_[i];
   x += vectors_.contact(state_.lambda);
-  if (directions_.isCondensed()) state_.s -= balance_.nearestMotion(state_.s);
-  else state_.s += balance_.jumps() * solve(x).a;
+  state_.s += balance_.jumps() * solve(x).a;
+  const auto length = [&](const Eigen::VectorXd& s) { return vectors_.norm(vectors_.contact(s)); };
+  if (length(state_.s) > options_.foundation.farthest * length(least)) state_.s = least;
 }
 
 // What is not in balance at the start is shared by all rows: lambda - G^T (G G^T)^-1 (G lambda - e).
