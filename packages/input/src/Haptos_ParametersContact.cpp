@@ -223,7 +223,8 @@ ParameterTree contactSection() {
                .defaultTo(std::string(nameOf(ContactOptions{}.discretization)))
                .oneOf(choiceNames<Discretization>()))
       .add(ParameterSpec("Sides", {Type::String},
-                         "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface; As Given the one named so")
+                         "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface, but none of which supports "
+                         "leave a row of nodes or fewer; As Given the one named so")
                .defaultTo(std::string(nameOf(ContactOptions{}.sides)))
                .oneOf(choiceNames<ContactSides>()))
       .add(ParameterSpec("Multiplier Space", {Type::String},

@@ -61,8 +61,8 @@ struct ContactSurroundings {
 /// \brief Pairs of all interfaces: node to node (see `matchSurfaces`) or by mortar (see `dualMortarRows`).  Serial: needs the
 /// whole mesh.
 ///
-/// Automatic is node to node where the meshes match, else mortar.  There the secondary side is, unless `sides` is AsGiven, the one
-/// that supports leave more than one row of nodes, the softer one, and of two alike the finer.  A node may be secondary in several interfaces (a corner): it then has a pair in each.
+/// Automatic is node to node where the meshes match, else mortar.  There the secondary side is, unless `sides` is AsGiven, the softer
+/// one, and of two alike the finer, but none of which supports leave a row of nodes or fewer.  A node may be secondary in several interfaces (a corner): it then has a pair in each.
 /// \throws NonMatchingError if the nodes of two surfaces do not match that are to be paired node to node
 /// \throws InputError for a side set that is missing, an interface without or with two obstacles, a node on
 ///   both sides that do not look at each other, normals that do not oppose, a direction that is zero or not finite
