@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_ContactCoarse.hpp"
 
+#include <cmath>
+
 #include "Haptos_ContactNumbering.hpp"
 #include "Haptos_StackedQr.hpp"
 
@@ -37,6 +39,15 @@ ContactCoarse::ContactCoarse(const DualVectors& vectors, const Eigen::MatrixXd& 
   X -= N * known;
   Q_ = root.cwiseInverse().asDiagonal() * (X * basisOf(vectors, X));
   MQ_ = M(Q_);
+}
+
+// Q^T D Q stays 1.
+ContactCoarse ContactCoarse::scaled(double factor) const {
+  ContactCoarse result = *this;
+  result.diagonal_ *= factor;
+  result.Q_ /= std::sqrt(factor);
+  result.MQ_ *= std::sqrt(factor);
+  return result;
 }
 
 void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {

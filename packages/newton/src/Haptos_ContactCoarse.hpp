@@ -30,6 +30,8 @@ class ContactCoarse {
   /// \param kernel [3 pairs x k], M kernel = 0; it is left out of Q.  Collective.
   ContactCoarse(const DualVectors& vectors, const Eigen::MatrixXd& jumps, const Eigen::VectorXd& diagonal, const Eigen::MatrixXd& kernel, const Product& M);
 
+  ContactCoarse scaled(double factor) const;  ///< for `factor` times M and the diagonal
+
   const Eigen::MatrixXd& Q() const { return Q_; }  ///< orthonormal in the diagonal's product
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
   const DualVectors& vectors() const { return vectors_; }

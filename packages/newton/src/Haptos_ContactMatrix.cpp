@@ -89,18 +89,22 @@ void ContactMatrix::scale(double factor) {
   dense_ *= factor;
   compliance_ /= factor;
   last_.reset();
-  twoLevel_.reset();
-  coarse_.reset();
-  groups_.reset();
+  if (coarse_) keepCoarse(coarse_->scaled(factor));
+}
+
+Eigen::MatrixXd ContactMatrix::multiplyMany(const Eigen::MatrixXd& X) const {
+  return multiplyColumns(X.cols(), [&X](Eigen::Index j, Eigen::Index width) -> Eigen::MatrixXd { return X.middleCols(j, width); });
 }
 
 // Motions of the kernel are solved for by themselves.
 void ContactMatrix::makeCoarse() const {
-  const auto M = [this](const Eigen::MatrixXd& X) {
-    return multiplyColumns(X.cols(), [&X](Eigen::Index j, Eigen::Index width) -> Eigen::MatrixXd { return X.middleCols(j, width); });
-  };
-  coarse_ = std::make_unique<const ContactCoarse>(vectors_, makeSmooth_(), diagonal_, kernel_, M);
-  twoLevel_ = std::make_unique<TwoLevelPreconditioner>(*coarse_, M, [this](const Eigen::MatrixXd& X) { return groups_->apply(X); });
+  keepCoarse({vectors_, makeSmooth_(), diagonal_, kernel_, [this](const Eigen::MatrixXd& X) { return multiplyMany(X); }});
+}
+
+void ContactMatrix::keepCoarse(ContactCoarse coarse) const {
+  coarse_ = std::make_unique<const ContactCoarse>(std::move(coarse));
+  twoLevel_ = std::make_unique<TwoLevelPreconditioner>(
+      *coarse_, [this](const Eigen::MatrixXd& X) { return multiplyMany(X); }, [this](const Eigen::MatrixXd& X) { return groups_->apply(X); });
   isCoarseReady_ = false;
 }
 

@@ -87,7 +87,9 @@ class ContactMatrix {
   void makeDirect() const;
   void makeDenseForProducts() const;
   void keepDense(const Eigen::MatrixXd& matrix) const;
+  Eigen::MatrixXd multiplyMany(const Eigen::MatrixXd& X) const;
   void makeCoarse() const;
+  void keepCoarse(ContactCoarse coarse) const;
   Eigen::MatrixXd multiplyColumns(Eigen::Index count, const std::function<Eigen::MatrixXd(Eigen::Index, Eigen::Index)>& columns) const;
   Eigen::MatrixXd byColumns() const;
   enum class Method { Gmres, Cg };

@@ -82,11 +82,12 @@ bool SchwarzPreconditioner::isHeld(std::size_t group) const {
 }
 
 bool SchwarzPreconditioner::renew(double scaling, const Eigen::MatrixXd& blocks) {
+  const bool isScaled = std::exchange(scaling_, scaling) != scaling;
   bool isAny = false;
   for (std::size_t g = 0; g < groups_.size(); ++g) {
     Group& group = groups_[g];
     Eigen::MatrixXd now = blocks(group.values, Eigen::all);
-    bool isSame = group.blocks.rows() == now.rows();
+    bool isSame = !isScaled && group.blocks.rows() == now.rows();
     for (Eigen::Index at = 0; at < now.rows() && isSame; at += 3) isSame = !hasChanged(group.blocks.middleRows<3>(at), now.middleRows<3>(at));
     if (isSame) continue;
     isAny = true;

@@ -23,7 +23,8 @@ class SchwarzPreconditioner {
   /// \param numbering stays with the caller.  Collective.
   SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups);
 
-  /// \brief For scaling M and the blocks of all ranks (`ContactNumbering::blocksOfAll`); groups of which no pair has changed keep what they have.
+  /// \brief For scaling M and the blocks of all ranks (`ContactNumbering::blocksOfAll`); groups of which no pair has changed keep what they have
+  /// while the scaling is the same.
   /// \return whether any is new
   bool renew(double scaling, const Eigen::MatrixXd& blocks);
 
@@ -41,6 +42,7 @@ class SchwarzPreconditioner {
 
   const ContactNumbering& numbering_;
   std::vector<Group> groups_;
+  double scaling_ = 0;  // of the inverses
 };
 
 }  // namespace Haptos
