@@ -111,9 +111,9 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, SolvesGroupsAndKeepsThoseOfOwnPairs) {
   TEST_COMPARE(error(schwarz, matrixWith(1, 1)), <, 1e-6);
   TEST_ASSERT(schwarz.renew(1, blocksWith(2)));
   TEST_COMPARE(error(schwarz, matrixWith(1, 2)), <, 1e-6);
-  SchwarzPreconditioner scaled(numbering, groupsOf(t, M));
-  TEST_ASSERT(scaled.renew(3, blocksWith(1)));
-  TEST_COMPARE(error(scaled, matrixWith(3, 1)), <, 1e-6);
+  TEST_ASSERT(schwarz.renew(3, blocksWith(2)));  // another M
+  TEST_COMPARE(error(schwarz, matrixWith(3, 2)), <, 1e-6);
+  TEST_ASSERT(!schwarz.renew(3, blocksWith(2)));
 }
 
 // A row of no multiplier has nothing in M, and open pairs nothing in B: the others are solved as without it.
@@ -132,19 +132,24 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, RowsOfNoMultiplierHarmNoGroup) {
   TEST_COMPARE(t.vectors.norm(schwarz.apply(t.contactPart(r)) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
 }
 
-// Errors of (M + K) d = b and of (A M + B) d = b, relative.
-Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const std::function<Eigen::MatrixXd()>& smooth,
-                       const SubspaceNewtonOptions::Condensed& options, bool hasGroups = true) {
+using Smooth = std::function<Eigen::MatrixXd()>;
+using Groups = std::function<SchwarzPreconditioner::Groups()>;
+
+ContactMatrix matrixOf(const Scene& t, const SoftMatrix& m, bool isFloating, const Smooth& smooth, const Groups& groups,
+                       const SubspaceNewtonOptions::Condensed& options) {
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
   Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
   for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
-  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth, 0,
-                              hasGroups ? [&] { return groupsOf(t, m.M); } : std::function<SchwarzPreconditioner::Groups()>()},
-                             t.vectors, ContactMatrix::Kind::Products, options);
+  return ContactMatrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth, 0, groups},
+                       t.vectors, ContactMatrix::Kind::Products, options);
+}
+
+// Errors of (M + K) d = b and of (A M + B) d = b, relative; the matrix was scaled.
+Eigen::Vector2d errorsOf(const ContactMatrix& matrix, const Scene& t, const SoftMatrix& m, double scaling, bool isTwice) {
   const DenseVector expected = numbers(kRows, 0.4);
-  DenseVector symmetric = m.M * expected, general = symmetric;
+  DenseVector symmetric = scaling * (m.M * expected), general = symmetric;
   for (int i = 0; i < kGroups; ++i) {
     const auto [A, B] = blocksOf(i);
     general.segment<3>(3 * i) = (A * general.segment<3>(3 * i) + B * expected.segment<3>(3 * i)).eval();
@@ -157,10 +162,16 @@ Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, con
     B.push_back(blocksOf(i).second);
     K.push_back(resistance(i));
   }
-  const Eigen::VectorXd x = ContactMatrix::Symmetric(matrix, K).solve(contactPart(symmetric)), y = matrix.solve(A, B, contactPart(general), 1e-10);
-  const Eigen::VectorXd again = matrix.solve(A, B, contactPart(general), 1e-10);  // with the coarse space as it is
-  const auto error = [&](const Eigen::VectorXd& z) { return t.vectors.norm(z - contactPart(expected)) / expected.norm(); };
-  return Eigen::Vector2d(error(x), smooth ? std::max(error(y), error(again)) : error(y));
+  const Eigen::VectorXd b = t.contactPart(general);
+  const Eigen::VectorXd x = ContactMatrix::Symmetric(matrix, K).solve(t.contactPart(symmetric)), y = matrix.solve(A, B, b, 1e-10);
+  const Eigen::VectorXd again = matrix.solve(A, B, b, 1e-10);  // with the coarse space as it is
+  const auto error = [&](const Eigen::VectorXd& z) { return t.vectors.norm(z - t.contactPart(expected)) / expected.norm(); };
+  return Eigen::Vector2d(error(x), isTwice ? std::max(error(y), error(again)) : error(y));
+}
+
+Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, const Smooth& smooth, const SubspaceNewtonOptions::Condensed& options,
+                       bool hasGroups = true) {
+  return errorsOf(matrixOf(t, m, isFloating, smooth, hasGroups ? [&] { return groupsOf(t, m.M); } : Groups(), options), t, m, 1, bool(smooth));
 }
 
 // Few steps do where soft jumps are solved for by themselves, and do not where they are not; a space that is of no use is given up for the dense matrix.
@@ -196,6 +207,37 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     options.coarseTrials = 1;
     TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
     TEST_COMPARE(errors(t, m, isFloating, columns(DenseMatrix::Zero(kRows, 2)), options).maxCoeff(), <, 1e-6);
+  }
+}
+
+// They cost products with M, which need not be made again.
+TEUCHOS_UNIT_TEST(ContactCoarse, AScaledMatrixKeepsItsGroupsAndItsCoarseSpace) {
+  constexpr double kScaling = 0.4;
+  for (const bool isFloating : {false, true}) {
+    const Scene t(isFloating);
+    const SoftMatrix m(t, isFloating);
+    SubspaceNewtonOptions::Condensed options;
+    options.pathLinearTolerance = 1e-10;
+    options.linearSteps = isFloating ? 20 : 10;
+    options.rowsOfStep = 1;  // too few for a dense matrix
+    options.groupRows = 0;
+    int numSmooth = 0, numGroups = 0;
+    const auto smooth = [&]() -> Eigen::MatrixXd {
+      ++numSmooth;
+      Eigen::MatrixXd mine(3 * t.vectors.numPairs(), kSoft);
+      for (Eigen::Index j = 0; j < kSoft; ++j) mine.col(j) = t.contactPart(m.soft.col(j));
+      return mine;
+    };
+    const auto groups = [&] {
+      ++numGroups;
+      return groupsOf(t, m.M);
+    };
+    ContactMatrix matrix = matrixOf(t, m, isFloating, smooth, groups, options);
+    TEST_COMPARE(errorsOf(matrix, t, m, 1, true).maxCoeff(), <, 1e-6);
+    matrix.scale(kScaling);
+    TEST_COMPARE(errorsOf(matrix, t, m, kScaling, true).maxCoeff(), <, 1e-6);
+    TEST_EQUALITY(numSmooth, 1);
+    TEST_EQUALITY(numGroups, 1);
   }
 }
 
