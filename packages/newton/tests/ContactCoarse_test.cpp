@@ -174,23 +174,30 @@ Eigen::Vector2d errors(const Scene& t, const SoftMatrix& m, bool isFloating, con
   return errorsOf(matrixOf(t, m, isFloating, smooth, hasGroups ? [&] { return groupsOf(t, m.M); } : Groups(), options), t, m, 1, bool(smooth));
 }
 
+// This rank's rows.
+Eigen::MatrixXd contactColumns(const Scene& t, const DenseMatrix& X) {
+  Eigen::MatrixXd mine(3 * t.vectors.numPairs(), X.cols());
+  for (Eigen::Index j = 0; j < X.cols(); ++j) mine.col(j) = t.contactPart(X.col(j));
+  return mine;
+}
+
+// Of Krylov methods that are soon at their bound, and too few for a dense matrix.
+SubspaceNewtonOptions::Condensed fewSteps(bool isFloating) {
+  SubspaceNewtonOptions::Condensed options;
+  options.pathLinearTolerance = 1e-10;
+  options.linearSteps = isFloating ? 20 : 10;
+  options.rowsOfStep = 1;
+  options.groupRows = 0;
+  return options;
+}
+
 // Few steps do where soft jumps are solved for by themselves, and do not where they are not; a space that is of no use is given up for the dense matrix.
 TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
   for (const bool isFloating : {false, true}) {
     const Scene t(isFloating);
     const SoftMatrix m(t, isFloating);
-    SubspaceNewtonOptions::Condensed options;
-    options.pathLinearTolerance = 1e-10;
-    options.linearSteps = isFloating ? 20 : 10;
-    options.rowsOfStep = 1;  // too few for a dense matrix
-    options.groupRows = 0;
-    const auto columns = [&](const DenseMatrix& X) {
-      return [&t, X]() -> Eigen::MatrixXd {
-        Eigen::MatrixXd mine(3 * t.vectors.numPairs(), X.cols());
-        for (Eigen::Index j = 0; j < X.cols(); ++j) mine.col(j) = t.contactPart(X.col(j));
-        return mine;
-      };
-    };
+    auto options = fewSteps(isFloating);
+    const auto columns = [&](const DenseMatrix& X) { return [&t, X] { return contactColumns(t, X); }; };
     DenseMatrix dependent(kRows, 2 * kSoft);  // with half of them twice
     dependent << m.soft, m.soft * DenseMatrix::Constant(kSoft, kSoft, 0.3);
     TEST_COMPARE(errors(t, m, isFloating, columns(dependent), options).maxCoeff(), <, 1e-6);
@@ -216,23 +223,16 @@ TEUCHOS_UNIT_TEST(ContactCoarse, AScaledMatrixKeepsItsGroupsAndItsCoarseSpace) {
   for (const bool isFloating : {false, true}) {
     const Scene t(isFloating);
     const SoftMatrix m(t, isFloating);
-    SubspaceNewtonOptions::Condensed options;
-    options.pathLinearTolerance = 1e-10;
-    options.linearSteps = isFloating ? 20 : 10;
-    options.rowsOfStep = 1;  // too few for a dense matrix
-    options.groupRows = 0;
     int numSmooth = 0, numGroups = 0;
-    const auto smooth = [&]() -> Eigen::MatrixXd {
+    const auto smooth = [&] {
       ++numSmooth;
-      Eigen::MatrixXd mine(3 * t.vectors.numPairs(), kSoft);
-      for (Eigen::Index j = 0; j < kSoft; ++j) mine.col(j) = t.contactPart(m.soft.col(j));
-      return mine;
+      return contactColumns(t, m.soft);
     };
     const auto groups = [&] {
       ++numGroups;
       return groupsOf(t, m.M);
     };
-    ContactMatrix matrix = matrixOf(t, m, isFloating, smooth, groups, options);
+    ContactMatrix matrix = matrixOf(t, m, isFloating, smooth, groups, fewSteps(isFloating));
     TEST_COMPARE(errorsOf(matrix, t, m, 1, true).maxCoeff(), <, 1e-6);
     matrix.scale(kScaling);
     TEST_COMPARE(errorsOf(matrix, t, m, kScaling, true).maxCoeff(), <, 1e-6);
