@@ -3,12 +3,12 @@
 
 #include <Eigen/QR>
 #include <algorithm>
-#include <iterator>
 #include <numeric>
 #include <vector>
 
-#include "Haptos_FaceShapes.hpp"
+#include "Haptos_DualMortar.hpp"
 #include "Haptos_MultiplierRules.hpp"
+#include "Haptos_SurfaceOverlap.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -27,37 +27,28 @@ double meanArea(const ContactSurface& surface) {
   return std::accumulate(surface.areas.begin(), surface.areas.end(), 0.0) / double(surface.faces.size());
 }
 
-// Whether supports leave a node to a multiplier.
-std::vector<char> findFree(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
-  std::vector<char> isFree(surface.numNodes(), 1);
+// [nodes] of those that supports take their multiplier
+std::vector<Bar> barsOfHeld(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
+  std::vector<Bar> bars(surface.numNodes(), Bar::None);
   for (std::size_t i = 0; i < surface.numNodes() && !around.isPrescribed.empty(); ++i)
-    isFree[i] = !isHeldFor(spec, around.isPrescribed[std::size_t(surface.nodes[i])], surface.normals[i]);
-  return isFree;
-}
-
-// Positions of multipliers, as `chooseMultipliers` takes them where all is covered: all nodes of a face that is free, free corners of others,
-// one of those that have none.
-std::vector<int> findCarriers(const ContactSpec& spec, const ContactSurface& surface, const std::vector<char>& isFree) {
-  std::vector<int> carriers;
-  const auto isFreeAt = [&](int node) { return isFree[std::size_t(node)] != 0; };
-  for (const SurfaceFace& face : surface.faces) {
-    const auto first = face.nodes.begin(), corners = first + numCorners(face.size), end = first + face.size;
-    const bool isFull = spec.multiplierSpace != MultiplierSpace::Linear && std::all_of(first, end, isFreeAt);
-    if (std::none_of(first, corners, isFreeAt)) carriers.push_back(*first);
-    std::copy_if(first, isFull ? end : corners, std::back_inserter(carriers), isFreeAt);
-  }
-  return carriers;
+    if (isHeldFor(spec, around.isPrescribed[std::size_t(surface.nodes[i])], surface.normals[i])) bars[i] = Bar::Held;
+  return bars;
 }
 
 // How many motions multipliers resist: none where all is held, 1 if they are at a point, 2 on a line, about which bodies may tilt, 3 on a surface.
 int rankOfMultipliers(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
   constexpr double kThin = 1e-6;  // of the longest extent
-  const auto isFree = findFree(spec, around, surface);
-  if (std::none_of(isFree.begin(), isFree.end(), [](char free) { return free != 0; })) return 0;
-  const auto carriers = findCarriers(spec, surface, isFree);
+  const std::vector<Bar> bars = barsOfHeld(spec, around, surface);
+  const auto numHeld = std::size_t(std::count(bars.begin(), bars.end(), Bar::Held));
+  if (numHeld == 0) return 3;
+  if (numHeld == bars.size()) return 0;
+  const auto isKept = chooseMultipliers(surface, wholeSurface(surface), bars, spec.multiplierSpace == MultiplierSpace::Linear).isKept;
+  std::vector<std::size_t> carriers;
+  for (std::size_t i = 0; i < isKept.size(); ++i)
+    if (isKept[i]) carriers.push_back(i);
   Eigen::Matrix3Xd offsets(3, Eigen::Index(carriers.size()));
   for (std::size_t k = 0; k < carriers.size(); ++k) {
-    const auto offset = Vec3::subtract(surface.coordinates[std::size_t(carriers[k])], surface.coordinates[std::size_t(carriers.front())]);
+    const auto offset = Vec3::subtract(surface.coordinates[carriers[k]], surface.coordinates[carriers.front()]);
     offsets.col(Eigen::Index(k)) = Eigen::Vector3d(offset.data());
   }
   Eigen::ColPivHouseholderQR<Eigen::Matrix3Xd> qr;
