@@ -72,12 +72,6 @@ RCP<CrsMatrix> copyMatrix(const Eigen::SparseMatrix<double>& A, const RCP<const 
   return copy;
 }
 
-/// A right-hand side and its solution where Amesos2 can see them.
-struct Columns {
-  Columns(const RCP<const Map>& map, Eigen::Index m) : b(map, m, false), x(map, m, false) {}
-  MultiVector b, x;
-};
-
 Eigen::Map<Eigen::MatrixXd> eigenView(double* data, const MultiVector& v) {
   return {data, Eigen::Index(v.getLocalLength()), Eigen::Index(v.getNumVectors())};
 }
@@ -85,6 +79,12 @@ Eigen::Map<Eigen::MatrixXd> eigenView(double* data, const MultiVector& v) {
 }  // namespace
 
 struct LocalSolverFactor::Impl {
+  /// A right-hand side and its solution where Amesos2 can see them.
+  struct Columns {
+    Columns(const RCP<const Map>& map, Eigen::Index m) : b(map, m, false), x(map, m, false) {}
+    MultiVector b, x;
+  };
+
   RCP<const Map> map;
   RCP<CrsMatrix> A;
   std::vector<int> starts;  // A's row starts as Eigen wants them
@@ -115,7 +115,7 @@ LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverM
   impl_->solver = createSolver(impl_->A, impl_->cholmod);
   if (precision == FactorPrecision::Single) requestSinglePrecision(*impl_->solver);
   impl_->solver->symbolicFactorization().numericFactorization();
-  impl_->single = std::make_unique<Columns>(impl_->map, 1);
+  impl_->single = std::make_unique<Impl::Columns>(impl_->map, 1);
 }
 
 // Values only: the pattern, and with it the analysis, is the first matrix's.
@@ -138,7 +138,7 @@ void LocalSolverFactor::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen:
   if (B.cols() == 0) return;
   const std::lock_guard<std::mutex> lock(impl_->busy);
   if (B.cols() == 1) return impl_->solve(*impl_->single, B, X);
-  Columns wide(impl_->map, B.cols());
+  Impl::Columns wide(impl_->map, B.cols());
   impl_->solve(wide, B, X);
 }
 

@@ -23,17 +23,6 @@ using Teuchos::ParameterList;
 
 constexpr int kComponents = 3;
 
-// What was given since the last set-up, by what has to be done again.
-struct Changes {
-  bool stiffness = false, rows = false, values = false, laws = false;
-
-  // Whether any rank changed something.  Collective.
-  Changes ofAll(const Communicator& comm) const {
-    const auto all = largestOfAll(comm, std::array<int, 4>{stiffness, rows, values, laws});
-    return {all[0] != 0, all[1] != 0, all[2] != 0, all[3] != 0};
-  }
-};
-
 template <class Options>
 Options readSublist(const ParameterList& list, const std::string& name, const std::vector<std::string>& sublists = {}) {
   if (!list.isSublist(name)) return {};
@@ -71,6 +60,17 @@ Coordinates coordinatesOf(ArrayView<const double> values) {
 }  // namespace
 
 struct ContactSystem::Impl {
+  // What was given since the last set-up, by what has to be done again.
+  struct Changes {
+    bool stiffness = false, rows = false, values = false, laws = false;
+
+    // Whether any rank changed something.  Collective.
+    Changes ofAll(const Communicator& comm) const {
+      const auto all = largestOfAll(comm, std::array<int, 4>{stiffness, rows, values, laws});
+      return {all[0] != 0, all[1] != 0, all[2] != 0, all[3] != 0};
+    }
+  };
+
   RCP<const Communicator> comm;  // of this object alone
   SystemOptions options;
   DecompositionOptions decomposition;

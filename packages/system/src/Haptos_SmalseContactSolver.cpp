@@ -70,7 +70,7 @@ struct SmalseContactSolver::Impl {
   KktEstimator estimator;
   RCP<MultiVector> x;
   std::unique_ptr<CoulombFixedPoint> fixedPoint;
-  RCP<FetiProgram> program;
+  RCP<Program> program;
   Manager manager;
   SolveRequest request{};
 };

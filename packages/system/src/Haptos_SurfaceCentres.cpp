@@ -11,7 +11,8 @@
 namespace Haptos {
 namespace {
 
-constexpr int kCells = 64;  // along the longest side: centres are chosen among cells, not pairs, whose number has no bound
+constexpr int kCells = 64;          // along the longest side: centres are chosen among cells, not pairs, whose number has no bound
+constexpr double kRoundOff = 1e-9;  // of a cell, of a distance: nodes of a grid are on edges of cells and as far from each other, in any units
 
 // Middles of the cells of a grid that have pairs, the same on all ranks.
 std::vector<SurfacePlace> occupiedCells(const Communicator& comm, const std::vector<SurfacePlace>& places) {
@@ -26,7 +27,7 @@ std::vector<SurfacePlace> occupiedCells(const Communicator& comm, const std::vec
   const auto sort = [&] { std::sort(cells.begin(), cells.end()), cells.erase(std::unique(cells.begin(), cells.end()), cells.end()); };
   for (const SurfacePlace& place : places) {
     Cell cell{place.interface, 0, 0, 0};
-    for (int d = 0; d < 3; ++d) cell[std::size_t(d + 1)] = side > 0 ? int((place.x[d] - lower[d]) / side) : 0;
+    for (int d = 0; d < 3; ++d) cell[std::size_t(d + 1)] = side > 0 ? int((place.x[d] - lower[d]) / side + kRoundOff) : 0;
     cells.push_back(cell);
   }
   sort();
@@ -39,15 +40,16 @@ std::vector<SurfacePlace> occupiedCells(const Communicator& comm, const std::vec
 
 }  // namespace
 
-// The farthest cell is the next one; the interfaces come first, as no centre of another one is near.
+// The farthest cell is the next one, the first of those that are as far; the interfaces come first, as no centre of another one is near.
 std::vector<SurfaceCentre> chooseCentres(const Communicator& comm, const std::vector<SurfacePlace>& places, std::size_t count) {
   constexpr double kFar = std::numeric_limits<double>::max();
   const std::vector<SurfacePlace> cells = occupiedCells(comm, places);
   std::vector<double> distance(cells.size(), kFar);
   std::vector<SurfaceCentre> centres;
   while (centres.size() < std::min(count, cells.size())) {
-    const std::size_t next = std::size_t(std::max_element(distance.begin(), distance.end()) - distance.begin());
-    if (distance[next] == 0) break;
+    const double farthest = (1 - kRoundOff) * *std::max_element(distance.begin(), distance.end());
+    if (farthest == 0) break;
+    const auto next = std::size_t(std::find_if(distance.begin(), distance.end(), [&](double d) { return d >= farthest; }) - distance.begin());
     centres.push_back({cells[next], 0});
     for (std::size_t i = 0; i < cells.size(); ++i)
       if (cells[i].interface == cells[next].interface) distance[i] = std::min(distance[i], (cells[i].x - cells[next].x).norm());

@@ -20,9 +20,9 @@ using namespace Haptos::Testing;
 
 constexpr std::array<int, 3> kElements{11, 9, 1};
 
-Scene blocks(bool isFrictional) {
+Scene blocks(bool isFrictional, const std::array<int, 3>& elements = kElements) {
   SceneOptions o;
-  o.lower = o.upper = kElements;
+  o.lower = o.upper = elements;
   o.subdomains = 6;
   o.frictional = isFrictional;
   o.hold = [](int body, const Point& x) { return std::string(body == 0 && x[2] < -1 + 1e-9 ? "xyz" : ""); };
@@ -110,6 +110,23 @@ TEUCHOS_UNIT_TEST(PairGroups, CoverAllPairsOnceAndOverlapAndKnowNoRanks) {
   TEST_EQUALITY(int(own.size()), kPairs);
   out << "members of groups that are not their own: " << numOthers << "\n";
   TEST_ASSERT(numOthers > kPairs / 2 && numOthers < 3 * kPairs);
+}
+
+// On a grid many pairs are in the middle between two centres, many nodes on the edge of a cell of those that centres are chosen from, and many
+// cells as far from the centres before: round-off of other units, or of another origin, would decide.
+TEUCHOS_UNIT_TEST(PairGroups, KnowNoUnits) {
+  for (const std::array<int, 3>& elements : {kElements, {16, 8, 1}, {32, 4, 1}}) {
+    const Scene scene = blocks(true, elements);
+    const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+    const MultiplierMap& multipliers = *feti.dealt.multipliers;
+    const auto places = placesIn(scene, multipliers);
+    const auto groups = nodesOf(groupsOfPairs(multipliers, places), multipliers);
+    for (const double unit : {0.3, 7.0, 1000.0}) {
+      std::vector<Eigen::Vector3d> moved;
+      for (const Eigen::Vector3d& x : places) moved.emplace_back(unit * (x + Eigen::Vector3d(0.1, 0.2, 0.3)));
+      TEST_ASSERT(groups == nodesOf(groupsOfPairs(multipliers, moved), multipliers));
+    }
+  }
 }
 
 }  // namespace
