@@ -43,6 +43,7 @@ class ByteWriter {
 
  private:
   void append(const void* values, std::size_t size) {
+    if (size == 0) return;  // `values` may be null
     const char* p = static_cast<const char*>(values);
     bytes_.insert(bytes_.end(), p, p + size);
   }

@@ -105,6 +105,8 @@ Eigen::VectorXd solveByLdlt(const Eigen::MatrixXd& A, const Eigen::VectorXd& b);
 /// \brief By partial pivoting; NaN where A is singular.
 Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B);
 
+Eigen::MatrixXd inverseByCholesky(Eigen::MatrixXd A);  ///< of no rows where A is not positive definite; its lower triangle is read
+
 /// \brief A^+, A symmetric and positive semidefinite, eigenvalues up to `least` of the largest being none.
 /// \param kernel orthonormal, A does not feel it.  Where it is all of the kernel a factor is enough, else all eigenvectors are made.
 Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& kernel, double least);

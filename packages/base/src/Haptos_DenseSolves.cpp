@@ -114,16 +114,17 @@ Eigen::MatrixXd DenseFactor::solve(Eigen::MatrixXd B, char transposed) const {
 
 Eigen::MatrixXd solveByLu(Eigen::MatrixXd A, Eigen::MatrixXd B) { return DenseFactor(std::move(A), DenseFactor::Kind::Lu).solve(std::move(B)); }
 
-namespace {
-
-// The lower triangle of A^-1, or nothing where A is not positive definite.
 Eigen::MatrixXd inverseByCholesky(Eigen::MatrixXd A) {
   const int n = int(A.rows()), rows = std::max(1, n);
   int info = 0;
   Teuchos::LAPACK<int, double>().POTRF('L', n, A.data(), rows, &info);
   if (info == 0) Teuchos::LAPACK<int, double>().POTRI('L', n, A.data(), rows, &info);
-  return info == 0 ? A : Eigen::MatrixXd();
+  if (info != 0) return {};
+  A.triangularView<Eigen::StrictlyUpper>() = A.transpose();
+  return A;
 }
+
+namespace {
 
 // An upper bound of the largest absolute eigenvalue of a symmetric matrix.
 double largestRowSum(const Eigen::MatrixXd& A) {
@@ -148,7 +149,6 @@ Eigen::MatrixXd pseudoInverse(const Eigen::MatrixXd& A, const Eigen::MatrixXd& k
   const double weight = A.diagonal().mean();
   Eigen::MatrixXd inverse = inverseByCholesky(A + weight * kernel * kernel.transpose());
   if (inverse.size() == 0 || !(least * largestRowSum(A) * largestRowSum(inverse) < 1)) return pseudoInverseByEigenvectors(A, least);
-  inverse.triangularView<Eigen::StrictlyUpper>() = inverse.transpose();
   inverse.noalias() -= kernel * (kernel.transpose() / weight);
   return inverse;
 }

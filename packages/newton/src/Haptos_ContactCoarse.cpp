@@ -71,7 +71,7 @@ void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {
 
 // Z is what takes products.  Any is good that is about what the law lets of Q.
 void TwoLevelPreconditioner::renew(const ContactCoarse::Blocks& A, const ContactCoarse::Blocks& B, const ContactCoarse::Blocks& inverse) {
-  constexpr double kFew = 0.05;  // of the pairs
+  constexpr double kFew = 0.2;  // of the pairs
   ContactCoarse::Blocks free;
   const Eigen::VectorXd& D = coarse_.diagonal();
   const DualVectors& vectors = coarse_.vectors();

@@ -12,7 +12,8 @@ namespace Haptos {
 
 // The next r^T z follows from sums that are taken with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z
 // - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction a step.  It decides how far to go, and is summed anew by the next
-// step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so that H^T r stays 0; W^T z follows as r^T z does.
+// step.  z follows as r does: one application of D^-1 a step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so
+// that H^T r stays 0; W^T z follows as r^T z does.
 ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
   const Eigen::MatrixXd none(b.size(), 0);  // products want its rows
   const bool isAny = known.motions.cols() > 0;
@@ -38,7 +39,7 @@ ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vector
     if (step == 0) target = tolerance * tolerance * rz;
     if (next <= target) return {x, true, step + 1};
     r -= alpha * Ap;
-    z = preconditioner(r);
+    z -= alpha * DAp;
     p = z + (next / rz) * p;
     if (a.size() == 0) continue;
     g -= alpha * sums.tail(a.size());

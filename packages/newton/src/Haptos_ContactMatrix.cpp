@@ -223,6 +223,9 @@ ContactEquations ContactMatrix::symmetricEquations(const Blocks& K) const {
     equations.known = {motions, multiplyBlocks(K, motions)};
   }
   if (coarse_) coarse_->appendTo(equations.known, K);
+  if (!symmetricGroups_) return equations;
+  symmetricGroups_->renew(scaling_, numbering_.blocksOfAll(Blocks(K.size(), Eigen::Matrix3d::Identity()), K));
+  equations.preconditioner = [this](const Eigen::VectorXd& r) -> Eigen::VectorXd { return symmetricGroups_->apply(r); };
   return equations;
 }
 
@@ -232,8 +235,9 @@ Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { retu
 Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
   std::optional<ContactEquations::Solution> byCg;
   while (!M_.isDirect_) {
-    if (!equations_ || isCoarse_ != (M_.coarse_ != nullptr)) equations_ = M_.symmetricEquations(K_), isCoarse_ = M_.coarse_ != nullptr;
+    if (!equations_ || helped_ != M_.helpers()) equations_ = M_.symmetricEquations(K_), helped_ = M_.helpers();
     byCg = equations_->solveByCg(M_.vectors_, b);
+    if (M_.makeSymmetricGroups(byCg->products) && !byCg->isConverged) continue;
     if (M_.mayStay(*byCg, Method::Cg)) return byCg->x;
   }
   const auto blocks = [&] { return M_.numbering_.blocksOfAll(Blocks(K_.size(), Eigen::Matrix3d::Identity()), K_); };  // collective: a factor has them
@@ -256,8 +260,8 @@ bool ContactMatrix::mayStay(const ContactEquations::Solution& solution, Method m
   return solution.isConverged;
 }
 
-// For GMRES groups first, then coarse jumps beside them; these alone for conjugate gradients, which want what is symmetric.  Where neither helps, or rows are
-// few, the dense matrix, which costs a product a row once.  Returns whether anything was made.
+// For GMRES groups first, then coarse jumps beside them; these first for conjugate gradients.  Where neither helps, or rows are few, the dense matrix,
+// which costs a product a row once.  Returns whether anything was made.
 bool ContactMatrix::makeMore(bool isConverged, Method method) const {
   const double mean = double(products_) / double(solves_);
   const bool isMany = numbering_.size() >= options_.groupRows;
@@ -276,10 +280,19 @@ bool ContactMatrix::makeMore(bool isConverged, Method method) const {
   return isDirect_;
 }
 
+double ContactMatrix::entriesOfProduct() const { return dense_.size() > 0 ? 0.5 * double(dense_.size()) : entriesRead_; }
+
 // By what products read: a solve as much as factors of groups take, and all of them as much as groups do.
 bool ContactMatrix::areGroupsCheaper(double steps) const {
-  const double n = double(numbering_.size()), product = dense_.size() > 0 ? 0.5 * n * n : entriesRead_;
+  const double n = double(numbering_.size()), product = entriesOfProduct();
   return steps * product > options_.groupFactor * n && double(products_) * product > options_.groupSetUp * n;
+}
+
+// Where groups are at hand, and conjugate gradients with coarse jumps alone read as much as their factors take.  Returns whether they were made.
+bool ContactMatrix::makeSymmetricGroups(double steps) const {
+  if (symmetricGroups_ || !groups_ || !(steps * entriesOfProduct() > options_.groupFactor * double(numbering_.size()))) return false;
+  symmetricGroups_ = std::make_unique<SchwarzPreconditioner>(groups_->withForm(SchwarzPreconditioner::Form::Symmetric));
+  return true;
 }
 
 Eigen::VectorXd ContactMatrix::kernelPart(const Eigen::VectorXd& x) const {

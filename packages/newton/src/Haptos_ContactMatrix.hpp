@@ -63,8 +63,8 @@ class ContactMatrix {
     const ContactMatrix& M_;
     Blocks K_;
     std::unique_ptr<const ContactFactor> factor_;   // where M is dense
-    std::optional<ContactEquations> equations_;     // where it is not, with coarse jumps or without
-    bool isCoarse_ = false;
+    std::optional<ContactEquations> equations_;     // where it is not
+    std::pair<bool, bool> helped_{};                // by symmetric groups, by coarse jumps
   };
 
   /// \brief 1 / (normal compliance of the pair, the other pairs open): as far as a pair feels a stiffness, it is this one; 0 where
@@ -96,6 +96,9 @@ class ContactMatrix {
   bool mayStay(const ContactEquations::Solution& solution, Method method) const;
   bool makeMore(bool isConverged, Method method) const;
   bool areGroupsCheaper(double steps) const;
+  bool makeSymmetricGroups(double steps) const;
+  double entriesOfProduct() const;
+  std::pair<bool, bool> helpers() const { return {symmetricGroups_ != nullptr, coarse_ != nullptr}; }
   Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const { return numbering_.onAllRanks(mine); }
   using Shape = ContactFactor::Shape;
   std::optional<Eigen::VectorXd> solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const;
@@ -126,6 +129,7 @@ class ContactMatrix {
   mutable bool isCompliant_ = true;      // it solves what it is used for
   mutable std::unique_ptr<const ContactFactor> last_;  // of a general system
   mutable std::unique_ptr<SchwarzPreconditioner> groups_;         // null until Krylov methods take long without them
+  mutable std::unique_ptr<SchwarzPreconditioner> symmetricGroups_;  // the same for symmetric systems
   mutable std::unique_ptr<const ContactCoarse> coarse_;           // null until Krylov methods fail without it
   mutable std::unique_ptr<TwoLevelPreconditioner> twoLevel_;       // beside it, of the last general system
   mutable bool isCoarseReady_ = false;                             // for groups that have not changed since

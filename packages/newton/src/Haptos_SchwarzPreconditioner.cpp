@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SchwarzPreconditioner.hpp"
 
+#include <Eigen/LU>
 #include <utility>
 
 #include "Haptos_DenseDecompositions.hpp"
@@ -61,19 +62,51 @@ Eigen::MatrixXd rowsOfInverse(const Eigen::MatrixXd& G, const Eigen::MatrixXd& b
   return rows;
 }
 
+Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& x) {
+  if (x.cols() != 1) return A * x;
+  Eigen::MatrixXd y = Eigen::MatrixXd::Zero(A.rows(), 1);
+  addProduct(1, A, x.col(0), y.col(0));
+  return y;
+}
+
+// G^-1, or where round-off leaves G not positive that of each pair by itself.
+Eigen::MatrixXd symmetricInverse(const Eigen::MatrixXd& G) {
+  Eigen::MatrixXd inverse = inverseByCholesky(G);
+  if (inverse.size() > 0) return inverse;
+  inverse = Eigen::MatrixXd::Zero(G.rows(), G.cols());
+  for (Eigen::Index at = 0; at < G.rows(); at += 3) inverse.block<3, 3>(at, at) = G.block<3, 3>(at, at).inverse();
+  return inverse;
+}
+
 }  // namespace
 
-SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups)
-    : numbering_(numbering), groups_(groups.members.size()) {
+SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups, Form form)
+    : numbering_(numbering), form_(form), groups_(groups.members.size()), shares_(Eigen::VectorXd::Zero(numbering.size())) {
   for (const Member& member : gatheredOnAll(numbering.vectors().comm(), membersOf(groups.members, numbering.first() / 3))) {
     Group& group = groups_[member.group];
     for (Eigen::Index value = 3 * member.pair; value < 3 * member.pair + 3; ++value) {
       if (member.isOwn) group.own.push_back(Eigen::Index(group.values.size())), group.ownValues.push_back(value);
       group.values.push_back(value);
+      shares_[value] += 1;
     }
   }
+  shares_ = shares_.cwiseSqrt().cwiseInverse();
   for (std::size_t g = 0; g < groups_.size(); ++g)
     if (isHeld(g)) groups_[g].M = std::move(groups.M[g]);
+}
+
+SchwarzPreconditioner SchwarzPreconditioner::withForm(Form form) const {
+  SchwarzPreconditioner other = *this;
+  other.form_ = form;
+  for (Group& group : other.groups_) group.blocks.resize(0, 0);
+  return other;
+}
+
+Eigen::MatrixXd SchwarzPreconditioner::inverseOf(const Group& group, const Eigen::MatrixXd& blocks) const {
+  const Eigen::MatrixXd G = matrixOf(scaling_, group.M, blocks);
+  if (form_ == Form::Restricted) return rowsOfInverse(G, blocks, group.own);
+  const Eigen::VectorXd D = shares_(group.values);
+  return D.asDiagonal() * symmetricInverse(G) * D.asDiagonal();
 }
 
 bool SchwarzPreconditioner::isHeld(std::size_t group) const {
@@ -91,7 +124,7 @@ bool SchwarzPreconditioner::renew(double scaling, const Eigen::MatrixXd& blocks)
     for (Eigen::Index at = 0; at < now.rows() && isSame; at += 3) isSame = !hasChanged(group.blocks.middleRows<3>(at), now.middleRows<3>(at));
     if (isSame) continue;
     isAny = true;
-    if (isHeld(g)) group.inverse = rowsOfInverse(matrixOf(scaling, group.M, now), now, group.own);
+    if (isHeld(g)) group.inverse = inverseOf(group, now);
     group.blocks = std::move(now);
   }
   return isAny;
@@ -104,13 +137,7 @@ Eigen::MatrixXd SchwarzPreconditioner::apply(const Eigen::MatrixXd& r) const {
     if (!isHeld(g)) continue;
     const Group& group = groups_[g];
     const Eigen::MatrixXd part = all(group.values, Eigen::all);
-    if (part.cols() != 1) {
-      z(group.ownValues, Eigen::all) = group.inverse * part;
-      continue;
-    }
-    Eigen::VectorXd answer = Eigen::VectorXd::Zero(group.inverse.rows());
-    addProduct(1, group.inverse, part.col(0), answer);
-    z(group.ownValues, 0) = answer;
+    z(form_ == Form::Restricted ? group.ownValues : group.values, Eigen::all) += product(group.inverse, part);
   }
   numbering_.vectors().sum(z);
   return z.middleRows(numbering_.first(), numbering_.mine());

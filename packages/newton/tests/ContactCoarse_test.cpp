@@ -132,6 +132,62 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, RowsOfNoMultiplierHarmNoGroup) {
   TEST_COMPARE(t.vectors.norm(schwarz.apply(t.contactPart(r)) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
 }
 
+ContactMatrix::Blocks resistances(const Scene& t) {
+  ContactMatrix::Blocks K;
+  for (const PairLaw& pair : t.dual.pairs) K.push_back(resistance(int(t.setup.map->getGlobalElement(pair.normal)) / 3));
+  return K;
+}
+
+// The symmetric form of the same groups; the first pair of each is one of two groups.
+DenseVector symmetricSchwarzOf(const DenseMatrix& G, const DenseVector& r) {
+  constexpr int kSize = kGroups / 3;
+  DenseVector D = DenseVector::Ones(r.size()), z = DenseVector::Zero(r.size());
+  for (int g = 0; g < 3; ++g) D.segment<3>(3 * kSize * g).setConstant(std::sqrt(0.5));
+  for (int g = 0; g < 3; ++g) {
+    std::vector<int> rows;
+    for (int k = 0; k < 3 * (kSize + 1); ++k) rows.push_back((3 * kSize * g + k) % int(r.size()));
+    const DenseVector known = D(rows).cwiseProduct(r(rows)), solution = Testing::luSolve(DenseMatrix(G(rows, rows)), known);
+    z(rows) += D(rows).cwiseProduct(solution);
+  }
+  return z;
+}
+
+TEUCHOS_UNIT_TEST(SchwarzPreconditioner, SymmetricFormSharesPairsOfSeveralGroups) {
+  const Scene t(false);
+  const DenseMatrix M = t.contactM();
+  const ContactNumbering numbering(t.vectors);
+  const Eigen::MatrixXd blocks = numbering.blocksOfAll(ContactMatrix::Blocks(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), resistances(t));
+  SchwarzPreconditioner restricted(numbering, groupsOf(t, M));
+  restricted.renew(1, blocks);
+  auto schwarz = restricted.withForm(SchwarzPreconditioner::Form::Symmetric);
+  const DenseVector r = numbers(kRows, 0.8);
+  for (const double scaling : {1.0, 3.0}) {
+    TEST_ASSERT(schwarz.renew(scaling, blocks));
+    DenseMatrix G = scaling * M;
+    for (int i = 0; i < kGroups; ++i) G.block<3, 3>(3 * i, 3 * i) += resistance(i);
+    const DenseVector wanted = symmetricSchwarzOf(G, r);
+    const Eigen::MatrixXd z = schwarz.apply(t.contactPart(r).replicate(1, 2));
+    TEST_COMPARE(t.vectors.norm(z.col(0) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
+    TEST_COMPARE(t.vectors.norm(z.col(1) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
+    TEST_COMPARE(t.vectors.norm(schwarz.apply(t.contactPart(r)) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
+  }
+}
+
+// Round-off may leave a group's matrix indefinite: its pairs are solved one by one then, as conjugate gradients want what is positive.
+TEUCHOS_UNIT_TEST(SchwarzPreconditioner, SymmetricFormOfWhatIsNotPositiveIsThatOfPairs) {
+  const Scene t(false);
+  DenseMatrix M = DenseMatrix::Constant(kRows, kRows, 10.0);
+  for (int i = 0; i < kGroups; ++i) M.block<3, 3>(3 * i, 3 * i) = Eigen::Matrix3d(Eigen::Vector3d(1, 2, 3).asDiagonal());
+  const ContactNumbering numbering(t.vectors);
+  SchwarzPreconditioner schwarz(numbering, groupsOf(t, M), SchwarzPreconditioner::Form::Symmetric);
+  schwarz.renew(1, numbering.blocksOfAll(ContactMatrix::Blocks(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), resistances(t)));
+  const DenseVector r = numbers(kRows, 0.8);
+  DenseVector wanted(kRows);
+  for (int i = 0; i < kGroups; ++i)
+    wanted.segment<3>(3 * i) = r.segment<3>(3 * i).cwiseQuotient(Eigen::Vector3d(1, 2, 3) + resistance(i).diagonal());
+  TEST_COMPARE(t.vectors.norm(schwarz.apply(t.contactPart(r)) - t.contactPart(wanted)), <, 1e-6 * wanted.norm());
+}
+
 using Smooth = std::function<Eigen::MatrixXd()>;
 using Groups = std::function<SchwarzPreconditioner::Groups()>;
 
@@ -215,6 +271,32 @@ TEUCHOS_UNIT_TEST(ContactCoarse, FewStepsSolveWhatSoftJumpsMakeHard) {
     TEST_COMPARE(errors(t, m, isFloating, useless, options).maxCoeff(), <, 1e-6);
     TEST_COMPARE(errors(t, m, isFloating, columns(DenseMatrix::Zero(kRows, 2)), options).maxCoeff(), <, 1e-6);
   }
+}
+
+// What couples the pairs of a group is nothing that pairs one by one could resolve: groups do, in symmetric systems and in others.
+TEUCHOS_UNIT_TEST(SchwarzPreconditioner, FewStepsSolveWhatGroupsMakeHard) {
+  const Scene t(false);
+  SoftMatrix m(t, false);
+  constexpr Eigen::Index kSize = kRows / 3;
+  const auto basisOf = [](Eigen::Index g) {
+    return orthonormalBasis(DenseMatrix::NullaryExpr(kSize, kSize, [g](Eigen::Index i, Eigen::Index j) { return std::sin(double(1 + i + g) * double(3 + j)); }));
+  };
+  const DenseVector energies = DenseVector::LinSpaced(kSize, -5, 0).unaryExpr([](double x) { return std::pow(10.0, x); });
+  m.M.setZero();
+  for (Eigen::Index g = 0; g < 3; ++g) m.M.block(kSize * g, kSize * g, kSize, kSize) = basisOf(g) * energies.asDiagonal() * basisOf(g).transpose();
+  auto options = fewSteps(false);
+  options.linearSteps = 20;
+  const Groups groups = [&] { return groupsOf(t, m.M); };
+  const auto errorOfSecond = [&](const Groups& some) {  // groups come once GMRES wants them
+    const ContactMatrix matrix = matrixOf(t, m, false, {}, some, options);
+    errorsOf(matrix, t, m, 1, false);
+    return errorsOf(matrix, t, m, 1, false);
+  };
+  TEST_COMPARE(errorOfSecond({}).minCoeff(), >, 1e-3);
+  TEST_COMPARE(errorOfSecond(groups).minCoeff(), <, 1e-6);
+  TEST_COMPARE(errorOfSecond(groups).maxCoeff(), >, 1e-3);  // conjugate gradients are left without them where products read next to nothing
+  options.groupFactor = 0;
+  TEST_COMPARE(errorOfSecond(groups).maxCoeff(), <, 1e-6);
 }
 
 // They cost products with M, which need not be made again.
