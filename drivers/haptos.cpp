@@ -47,6 +47,10 @@ void useVectorKernels() {
 #endif
 }
 
+// A process that no mpirun has started would start a daemon of Open MPI and wait for it, a third of the seconds of a small run; it is for ranks that
+// are spawned later, and we spawn none.
+void startNoDaemon() { setenv("OMPI_MCA_ess_singleton_isolated", "1", 0); }
+
 // Under AddressSanitizer malloc is its own, which writes an eighth of what is asked for: 2.6 GB and 4 s a process.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)
 #define HAPTOS_HAS_GLIBC_HEAP
@@ -87,6 +91,7 @@ int main(int argc, char* argv[]) {
   useVectorKernels();
   useOneThread();
   prepareHeap();
+  startNoDaemon();
   // Kokkos would answer --help before us.
   char* programAlone[] = {argv[0], nullptr};
   char** arguments = programAlone;

@@ -19,7 +19,7 @@ void addElements(const Mesh& mesh, const ElementBlock& block, const ElasticModul
   group.topology = block.topology;
   for (auto node : block.connectivity) group.connectivity.push_back(int(node));
   for (int e = 0; e < group.numElements(); ++e) {
-    ElementMatrix<Shape> K;
+    ElementStiffness<Shape> K;
     elementStiffness<Shape>(elementGradients<Shape>(mesh.coordinates, group, e), moduli, formulation, K);
     const int* nodes = group.nodes(e);
     for (int i = 0; i < K.rows(); ++i)

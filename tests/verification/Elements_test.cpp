@@ -39,13 +39,11 @@ Mesh mixed(const Mesh& hexahedra, std::size_t layer, ElementOrder order) {
   return withCells(hexahedra, cells, order);
 }
 
-int ranks() { return Tpetra::getDefaultComm()->getSize(); }
-
 // Of every topology and two mixed ones; on several ranks, where runs take long, the mixed ones and one other.
 std::vector<Patch> patchesOf(const Mesh& box, std::size_t layer) {
   std::vector<Patch> result{{"mixed", mixed(box, layer, ElementOrder::Linear)}, {"mixed quadratic", mixed(box, layer, ElementOrder::Quadratic)}};
   for (int t = 0; t < kNumTopologies; ++t)
-    if (ranks() == 1 || Topology(t) == Topology::Tet10) result.push_back({topologyName(Topology(t)), withElements(box, Topology(t))});
+    if (numRanks() == 1 || Topology(t) == Topology::Tet10) result.push_back({topologyName(Topology(t)), withElements(box, Topology(t))});
   return result;
 }
 
@@ -137,7 +135,7 @@ TEUCHOS_UNIT_TEST(Elements, EqualBricksShare) {
     TEST_ASSERT(result.solved);
     TEST_EQUALITY(result.report.model.subdomains, 3);
     out << topologyName(Topology(t)) << ": " << result.report.model.congruenceClasses << " classes\n";
-    TEST_COMPARE(result.report.model.congruenceClasses, <=, ranks());
+    TEST_COMPARE(result.report.model.congruenceClasses, <=, numRanks());
   }
 }
 

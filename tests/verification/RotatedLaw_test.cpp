@@ -40,8 +40,8 @@ SimulationResult solveTurned(const Rotation& Q, int subdomains) {
       .solve();
 }
 
-const Rotation identity = rotation({0, 0, 1}, 0.0);
-const Rotation tilted = rotation({0.3, -0.8, 0.5}, 2.1);
+const Rotation straightFrame = rotation({0, 0, 1}, 0.0);
+const Rotation tiltedFrame = rotation({0.3, -0.8, 0.5}, 2.1);
 
 // Greatest deviation from lambda_T = g F^2 Tu / || F Tu || over the slipping pairs, of the largest lambda_N.
 struct LawCheck {
@@ -74,7 +74,7 @@ LawCheck checkLaw(const SimulationResult& result, const Array3& normal) {
 
 // ANALYTIC: the associated law holds point by point, in both frames.
 TEUCHOS_UNIT_TEST(RotatedLaw, SlipObeysTheAssociatedLaw) {
-  for (const auto& Q : {identity, tilted}) {
+  for (const auto& Q : {straightFrame, tiltedFrame}) {
     const auto result = solveTurned(Q, 4);
     TEST_ASSERT(result.solved);
     const auto& contact = result.report.interfaces.at(0);
@@ -90,11 +90,11 @@ TEUCHOS_UNIT_TEST(RotatedLaw, SlipObeysTheAssociatedLaw) {
 
 // ANALYTIC: a turned scene has the turned forces, whatever the decomposition.
 TEUCHOS_UNIT_TEST(RotatedLaw, ATurnedSceneHasTurnedForces) {
-  const auto straight = solveTurned(identity, 5), turned = solveTurned(tilted, 3);
+  const auto straight = solveTurned(straightFrame, 5), turned = solveTurned(tiltedFrame, 3);
   TEST_EQUALITY(straight.pairs.size(), turned.pairs.size());
   double largest = 0, error = 0, change = 0;
   for (std::size_t i = 0; i < straight.pairs.size(); ++i) {
-    const Array3 expected = tilted * straight.pairs[i].force;
+    const Array3 expected = tiltedFrame * straight.pairs[i].force;
     TEST_ASSERT(straight.pairs[i].status == turned.pairs[i].status);
     for (int d = 0; d < 3; ++d) {
       largest = std::max(largest, std::abs(expected[d]));

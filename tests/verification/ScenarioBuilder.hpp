@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
 #include <Teuchos_ParameterList.hpp>
+#include <Tpetra_Core.hpp>
 #include <array>
 #include <functional>
 #include <string>
@@ -10,6 +11,8 @@
 #include "Haptos_Simulation.hpp"
 
 namespace Haptos::Verification {
+
+inline int numRanks() { return Tpetra::getDefaultComm()->getSize(); }
 
 using Array3 = std::array<double, 3>;
 using Names = std::vector<std::string>;

@@ -208,12 +208,12 @@ ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const E
 // or a part of both (`volumetric`); linear elements have psi = 1 / sqrt(V).
 template <class Shape>
 void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
-                      Formulation formulation, ElementMatrix<Shape>& stiffness) {
+                      Formulation formulation, ElementStiffness<Shape>& stiffness) {
   const auto [c, projected] = volumetric(moduli, formulation, gradients.unprojected);
 
   // Scaled by square roots, M = S S^T is symmetric to the last digit, and so is K.
   const decltype(gradients.at) s = gradients.at * gradients.volumes.cwiseSqrt().asDiagonal();
-  ElementMatrix<Shape> m;
+  ElementStiffness<Shape> m;
   if constexpr (Shape::numNodes != Eigen::Dynamic) {
     m.noalias() = s.lazyProduct(s.transpose());
   } else {
@@ -299,7 +299,7 @@ double vonMises(const Stress& s) {
 
 #define HAPTOS_INSTANTIATE(Shape)                                                                                               \
   template ElementGradients<Shape> elementGradients(const Coordinates&, const ElementGroup&, int);                              \
-  template void elementStiffness(const ElementGradients<Shape>&, const ElasticModuli&, Formulation, ElementMatrix<Shape>&);     \
+  template void elementStiffness(const ElementGradients<Shape>&, const ElasticModuli&, Formulation, ElementStiffness<Shape>&);     \
   template ElementVector<Shape> elementForce(const ElementGradients<Shape>&, const ElasticModuli&, Formulation,                 \
                                              const ElementVector<Shape>&);
 HAPTOS_INSTANTIATE(Hex8Shape)

@@ -62,7 +62,7 @@ inline constexpr int kDofs = Shape::numNodes == Eigen::Dynamic ? Eigen::Dynamic 
 template <class Shape>
 using ElementVector = Eigen::Matrix<double, kDofs<Shape>, 1, Eigen::ColMajor, 3 * Shape::maxNodes, 1>;
 template <class Shape>
-using ElementMatrix = Eigen::Matrix<double, kDofs<Shape>, kDofs<Shape>, Eigen::ColMajor, 3 * Shape::maxNodes, 3 * Shape::maxNodes>;
+using ElementStiffness = Eigen::Matrix<double, kDofs<Shape>, kDofs<Shape>, Eigen::ColMajor, 3 * Shape::maxNodes, 3 * Shape::maxNodes>;
 
 /// \brief Shape function gradients of one element at its cubature points.
 template <class Shape>
@@ -94,7 +94,7 @@ ElementGradients<Shape> elementGradients(const Coordinates& coordinates, const E
 /// \brief Element stiffness, exactly symmetric: integral of B^T C B.
 template <class Shape>
 void elementStiffness(const ElementGradients<Shape>& gradients, const ElasticModuli& moduli,
-                      Formulation formulation, ElementMatrix<Shape>& stiffness);
+                      Formulation formulation, ElementStiffness<Shape>& stiffness);
 
 /// \brief Internal force K u by way of strain and stress at every point, without K.
 template <class Shape>

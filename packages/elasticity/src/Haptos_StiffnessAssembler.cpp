@@ -104,7 +104,7 @@ SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
 
 // K_ab += k_ab, 3 x 3 blocks: the three rows of a node lie side by side in each of three columns, so one search a block is enough.
 template <class Shape>
-void scatter(const ElementMatrix<Shape>& element, const int* nodes, const IndexLists& neighbours,
+void scatter(const ElementStiffness<Shape>& element, const int* nodes, const IndexLists& neighbours,
              SparseMatrix& k) {
   const int numNodes = int(element.rows()) / 3;
   for (int b = 0; b < numNodes; ++b) {
@@ -123,7 +123,7 @@ void scatter(const ElementMatrix<Shape>& element, const int* nodes, const IndexL
 template <class Shape>
 void addGroup(const Coordinates& coordinates, const ElementGroup& group, const ElasticModuli& moduli,
               Formulation formulation, const IndexLists& neighbours, SparseMatrix& k) {
-  ElementMatrix<Shape> element;
+  ElementStiffness<Shape> element;
   for (int e = 0; e < group.numElements(); ++e) {
     elementStiffness<Shape>(elementGradients<Shape>(coordinates, group, e), moduli, formulation, element);
     scatter<Shape>(element, group.nodes(e), neighbours, k);

@@ -12,7 +12,7 @@ namespace {
 
 using namespace Haptos;
 using namespace Haptos::Fixtures;
-using Matrix24 = ElementMatrix<Hex8Shape>;
+using Matrix24 = ElementStiffness<Hex8Shape>;
 
 const std::array<Formulation, 2> formulations{Formulation::Standard, Formulation::BBar};
 
@@ -115,7 +115,7 @@ TEUCHOS_UNIT_TEST(ElementStiffness, SymmetricWithSixRigidMotions) {
     }
   }
   const auto tets = makeSolid(Topology::Tet4, {1, 1, 1});
-  ElementMatrix<Tet4Shape> k;
+  ElementStiffness<Tet4Shape> k;
   elementStiffness<Tet4Shape>(elementGradients<Tet4Shape>(tets.coordinates, tets.groups[0], 3), moduli,
                               Formulation::Standard, k);
   TEST_EQUALITY((k - k.transpose()).cwiseAbs().maxCoeff(), 0.0);

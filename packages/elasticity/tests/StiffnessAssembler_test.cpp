@@ -51,7 +51,7 @@ Eigen::MatrixXd denseOracle(const Solid& solid, const std::vector<IsotropicMater
       const auto moduli = elasticModuli(materials[std::size_t(group.material)]);
       withShape(group.topology, [&](auto shape) {
         using Shape = decltype(shape);
-        ElementMatrix<Shape> element;
+        ElementStiffness<Shape> element;
         elementStiffness<Shape>(elementGradients<Shape>(solid.coordinates, group, e), moduli, Formulation::BBar, element);
         add(element, group.nodes(e), nodesPerElement(group.topology));
       });

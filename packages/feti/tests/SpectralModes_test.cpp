@@ -15,8 +15,8 @@ using namespace Haptos;
 using namespace Haptos::Testing;
 
 // Flat elements.
-struct Setup : HeldBeams {
-  explicit Setup(double distortion = 0) : HeldBeams(0.2, distortion) {}
+struct FlatBeams : HeldBeams {
+  explicit FlatBeams(double distortion = 0) : HeldBeams(0.2, distortion) {}
   const std::vector<int>& boundary(int i) const { return M->surface().boundary((*feti.systems)[i].congruenceClass); }
 
   Dense stiffness(int i) const {
@@ -60,7 +60,7 @@ struct Setup : HeldBeams {
 
 // What is left to a subdomain of a unit displacement of one unknown, by B_D^T B itself, one unknown of every subdomain of the scene at a time.
 TEUCHOS_UNIT_TEST(SpectralModes, WeightsAreThoseOfThePreconditioner) {
-  const Setup t;
+  const FlatBeams t;
   const std::vector<CopyWeights> weights = copyWeights(*t.M);
   TEST_EQUALITY(weights.size(), t.feti.dealt.mine.size());
   const int first = t.feti.dealt.jump->firstSubdomain();
@@ -93,7 +93,7 @@ TEUCHOS_UNIT_TEST(SpectralModes, WeightsAreThoseOfThePreconditioner) {
 
 // By B_D^T B itself and all S, of motions of one subdomain that contact does not see: those of neighbours on other ranks, too.
 TEUCHOS_UNIT_TEST(NeighbourStiffness, IsTheEnergyOfCopiesThatPart) {
-  const Setup t;
+  const FlatBeams t;
   const JumpOperator& jump = *t.feti.dealt.jump;
   const std::vector<Dense> S = t.stiffnesses();
   const NeighbourStiffness neighbours(*t.M, S);
@@ -115,7 +115,7 @@ TEUCHOS_UNIT_TEST(NeighbourStiffness, IsTheEnergyOfCopiesThatPart) {
 
 // Where no neighbour's S is made its own stands for all of them.
 TEUCHOS_UNIT_TEST(NeighbourStiffness, TakesItsOwnWhereANeighbourHasNone) {
-  const Setup t(0.1);  // no two subdomains are congruent
+  const FlatBeams t(0.1);  // no two subdomains are congruent
   const LocalSystems& systems = *t.feti.systems;
   const std::vector<CopyWeights> weights = copyWeights(*t.M);
   const auto shared = sharedBoundaries(*t.M);
@@ -143,7 +143,7 @@ TEUCHOS_UNIT_TEST(NeighbourStiffness, TakesItsOwnWhereANeighbourHasNone) {
 // All eigenvalues by another way: with S = C^T C beside the rigid motions.
 TEUCHOS_UNIT_TEST(SpectralModes, AreThoseThatWeightsMakeStiff) {
   constexpr double kLeast = 2;
-  const Setup t;
+  const FlatBeams t;
   const std::vector<CopyWeights> weights = copyWeights(*t.M);
   for (int i = 0; i < int(weights.size()); ++i) {
     const Dense S = t.stiffness(i), R = t.rigid(i), D = weights[std::size_t(i)];

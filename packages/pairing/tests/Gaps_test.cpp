@@ -37,12 +37,12 @@ Mesh pinInHole(int n) {
   return makeStack(stack);
 }
 
-std::vector<ContactPair> pairsOf(const Mesh& mesh, const ContactSpec& contact) { return buildContact(mesh, {contact})[0].pairs; }
+std::vector<ContactPair> pairsWithGaps(const Mesh& mesh, const ContactSpec& contact) { return buildContact(mesh, {contact})[0].pairs; }
 
 // Gaps away from the ends of the arcs.
 std::vector<double> gapsInside(const Mesh& mesh, const ContactSpec& contact) {
   std::vector<double> gaps;
-  for (const auto& pair : pairsOf(mesh, contact))
+  for (const auto& pair : pairsWithGaps(mesh, contact))
     if (std::abs(mesh.coordinates[std::size_t(pair.secondaryNode)][0]) < 0.5) gaps.push_back(pair.gap);
   return gaps;
 }
@@ -90,7 +90,7 @@ TEUCHOS_UNIT_TEST(Gaps, FacetsOfABallInItsSocket) {
     const auto gapOf = [&](PrimarySmoothing smoothing) {
       contact.smoothing = smoothing;
       double result = 0;
-      for (const auto& pair : pairsOf(mesh, contact)) result = std::max(result, std::abs(pair.gap));
+      for (const auto& pair : pairsWithGaps(mesh, contact)) result = std::max(result, std::abs(pair.gap));
       return result;
     };
     const double facets = gapOf(PrimarySmoothing::None);
@@ -156,9 +156,9 @@ TEUCHOS_UNIT_TEST(Gaps, GivenClosedAndIgnored) {
     TEST_ASSERT(changed > 0 && changed < plain.pairs.size());
     contact.initialPenetration = InitialPenetration::Resolve;
     contact.gapAt = [&](std::int64_t node) { return 0.25 * mesh.coordinates[std::size_t(node)][0]; };
-    for (const auto& pair : pairsOf(mesh, contact))
+    for (const auto& pair : pairsWithGaps(mesh, contact))
       TEST_COMPARE(std::abs(pair.gap - 0.25 * mesh.coordinates[std::size_t(pair.secondaryNode)][0]), <, 1e-13);
     contact.gapAt = [](std::int64_t) { return -5.0; };  // deeper than many elements, as the user wants it
-    for (const auto& pair : pairsOf(mesh, contact)) TEST_COMPARE(std::abs(pair.gap + 5), <, 1e-13);
+    for (const auto& pair : pairsWithGaps(mesh, contact)) TEST_COMPARE(std::abs(pair.gap + 5), <, 1e-13);
   }
 }

@@ -92,7 +92,7 @@ ParameterList foldedParameters(const std::string& method) {
   return list;
 }
 
-std::string refusal(const ParameterList& list) {
+std::string refusalOfHinges(const ParameterList& list) {
   const SourceMesh source = armAndProp();
   Simulation run(Tpetra::getDefaultComm(), validatedParameters(list), nullptr, &source);
   try {
@@ -128,9 +128,9 @@ TEUCHOS_UNIT_TEST(Hinges, ContactHoldsAnArm) {
 // Pulled up, the arm turns, about the axis that it hangs at.
 TEUCHOS_UNIT_TEST(Hinges, AnArmThatNothingHoldsIsNamed) {
   ParameterList list = parameters(5, -1);
-  const std::string pulledOff = refusal(list);
+  const std::string pulledOff = refusalOfHinges(list);
   list.remove("Contact");
-  const std::string unheld = refusal(list);
+  const std::string unheld = refusalOfHinges(list);
   out << pulledOff << "\n" << unheld << "\n";
   for (const std::string& message : {pulledOff, unheld})
     for (const char* part : {"body 'post+arm (piece 2 of 2, joined by nodes or edges alone)'", "rotation"})

@@ -79,7 +79,7 @@ struct Run {
 };
 
 template <class Error = InputError>
-std::string refusal(const ParameterList& list, const SourceMesh& mesh = bar()) {
+std::string refusalOfRun(const ParameterList& list, const SourceMesh& mesh = bar()) {
   try {
     Run(list, mesh).simulation->prepare();
   } catch (const Error& e) {
@@ -88,7 +88,7 @@ std::string refusal(const ParameterList& list, const SourceMesh& mesh = bar()) {
   return "(nothing thrown)";
 }
 
-bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 // The whole bar as one matrix, its loads summed from the subdomains, its conditions eliminated.
 Eigen::VectorXd directSolution(const Mesh& mesh, const Eigen::VectorXd& f, const std::vector<PrescribedDisplacement>& given) {
@@ -149,10 +149,10 @@ TEUCHOS_UNIT_TEST(Simulation, ContradictingDisplacementsAreRefused) {
   other.set("Sets", names({"top"}));  // shares the edge x = 0, z = 1 with "left"
   other.set<std::string>("Components", "z");
   other.set("Value", numbers({0.0, 0.0, 0.02}));
-  const std::string message = refusal(list);
+  const std::string message = refusalOfRun(list);
   out << message << "\n";
-  TEST_ASSERT(contains(message, "Boundary Conditions->other->Value") && contains(message, "Boundary Conditions->clamp") &&
-              contains(message, "node "));
+  TEST_ASSERT(mentions(message, "Boundary Conditions->other->Value") && mentions(message, "Boundary Conditions->clamp") &&
+              mentions(message, "node "));
   other.set("Value", numbers({0.0, 0.0, 0.01}));  // the same value twice is no contradiction
   Run same(list, bar());
   TEST_NOTHROW(same.simulation->prepare());
@@ -178,20 +178,20 @@ TEUCHOS_UNIT_TEST(Simulation, SetsAndBlocksByNumber) {
 TEUCHOS_UNIT_TEST(Simulation, MissingNamesAreListed) {
   ParameterList list = barParameters();
   list.sublist("Boundary Conditions").sublist("pull").set("Sets", names({"rigth"}));
-  const std::string set = refusal(list);
-  TEST_ASSERT(contains(set, "'rigth'") && contains(set, "right") && contains(set, "Boundary Conditions->pull->Sets"));
+  const std::string set = refusalOfRun(list);
+  TEST_ASSERT(mentions(set, "'rigth'") && mentions(set, "right") && mentions(set, "Boundary Conditions->pull->Sets"));
   list = barParameters();
   list.sublist("Materials").sublist("steel").set("Element Blocks", names({"beam"}));
-  const std::string block = refusal(list);
-  TEST_ASSERT(contains(block, "'beam'") && contains(block, "bar (7)"));
+  const std::string block = refusalOfRun(list);
+  TEST_ASSERT(mentions(block, "'beam'") && mentions(block, "bar (7)"));
 }
 
 TEUCHOS_UNIT_TEST(Simulation, UnheldBodyIsNamed) {
   ParameterList list = barParameters();
   list.sublist("Boundary Conditions").remove("clamp");
-  const std::string message = refusal<InsufficientModel>(list);
+  const std::string message = refusalOfRun<InsufficientModel>(list);
   out << message << "\n";
-  TEST_ASSERT(contains(message, "body 'bar'") && contains(message, "held by nothing"));
+  TEST_ASSERT(mentions(message, "body 'bar'") && mentions(message, "held by nothing"));
 }
 
 // A sheet whose bending stiffness is lost beside that of its plane: told where it is, on all ranks.
@@ -208,7 +208,7 @@ TEUCHOS_UNIT_TEST(Simulation, WhatDoublePrecisionCannotHoldIsRefused) {
       message = e.what();
     }
     out << message << "\n";
-    TEST_ASSERT(contains(message, "cannot be solved with 16 digits") && contains(message, "of the part from ("));
+    TEST_ASSERT(mentions(message, "cannot be solved with 16 digits") && mentions(message, "of the part from ("));
   }
 }
 

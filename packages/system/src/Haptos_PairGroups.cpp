@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kPairsOfGroup = 12;   // before they overlap
 constexpr double kOverlap = 0.6;    // of the radius of what is a group's own
-constexpr double kRoundOff = 1e-9;  // of a distance: pairs in the middle between two centres are the first one's on any number of ranks
+constexpr double kRoundOff = 1e-9;  // of a distance: pairs in the middle between two centres are the first one's, in any units
 
 // [places x centres], infinite where the interface is another one
 Eigen::MatrixXd distances(const std::vector<SurfacePlace>& places, const std::vector<SurfaceCentre>& centres) {
@@ -50,7 +50,7 @@ std::vector<PairGroup> groupsOfPairs(const MultiplierMap& multipliers, const std
   for (std::size_t i = 0; i < places.size(); ++i)
     for (std::size_t c = 0; c < centres.size(); ++c) {
       const bool isOwn = own[i] == Eigen::Index(c);
-      if (!isOwn && distance(Eigen::Index(i), Eigen::Index(c)) > (1 + kOverlap) * radius[Eigen::Index(c)]) continue;
+      if (!isOwn && distance(Eigen::Index(i), Eigen::Index(c)) > (1 + kOverlap) * (1 + kRoundOff) * radius[Eigen::Index(c)]) continue;
       groups[c].pairs.push_back(int(i));
       groups[c].isOwn.push_back(isOwn);
     }

@@ -115,7 +115,7 @@ TEUCHOS_UNIT_TEST(PairGroups, CoverAllPairsOnceAndOverlapAndKnowNoRanks) {
 // On a grid many pairs are in the middle between two centres, many nodes on the edge of a cell of those that centres are chosen from, and many
 // cells as far from the centres before: round-off of other units, or of another origin, would decide.
 TEUCHOS_UNIT_TEST(PairGroups, KnowNoUnits) {
-  for (const std::array<int, 3>& elements : {kElements, {16, 8, 1}, {32, 4, 1}}) {
+  for (const std::array<int, 3>& elements : {kElements, {16, 8, 1}, {18, 12, 1}, {32, 4, 1}}) {
     const Scene scene = blocks(true, elements);
     const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
     const MultiplierMap& multipliers = *feti.dealt.multipliers;
