@@ -62,13 +62,6 @@ Eigen::MatrixXd rowsOfInverse(const Eigen::MatrixXd& G, const Eigen::MatrixXd& b
   return rows;
 }
 
-Eigen::MatrixXd product(const Eigen::MatrixXd& A, const Eigen::MatrixXd& x) {
-  if (x.cols() != 1) return A * x;
-  Eigen::MatrixXd y = Eigen::MatrixXd::Zero(A.rows(), 1);
-  addProduct(1, A, x.col(0), y.col(0));
-  return y;
-}
-
 // G^-1, or where round-off leaves G not positive that of each pair by itself.
 Eigen::MatrixXd symmetricInverse(const Eigen::MatrixXd& G) {
   Eigen::MatrixXd inverse = inverseByCholesky(G);
