@@ -47,7 +47,7 @@ void useVectorKernels() {
 #endif
 }
 
-// A process that no mpirun has started would start a daemon of Open MPI and wait for it, a third of the seconds of a small run; it is for ranks that
+// A process that no mpirun has started would start a daemon of Open MPI and wait for it, a quarter of the seconds of a small run; it is for ranks that
 // are spawned later, and we spawn none.
 void startNoDaemon() { setenv("OMPI_MCA_ess_singleton_isolated", "1", 0); }
 

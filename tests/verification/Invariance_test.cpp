@@ -11,10 +11,7 @@ namespace {
 
 using namespace Haptos;
 using namespace Haptos::Verification;
-using Rotation = std::array<Array3, 3>;
 
-const Rotation identity = rotation({0, 0, 1}, 0.0);
-const Rotation tilted = rotation({0.3, -0.8, 0.5}, 2.1);
 const Rotation axesSwapped{Array3{0, 1, 0}, Array3{0, 0, 1}, Array3{1, 0, 0}};  // x -> z -> y -> x
 
 /// The benchmark of two beams; everything is turned by Q, lengths and forces are in units of `length` and `force`.

@@ -86,8 +86,10 @@ class ScenarioBuilder {
 /// \param fineCells cells of equal size in [0, fine]; the others grow geometrically
 std::vector<double> gradedAxis(double fine, int fineCells, double length, int n);
 
+using Rotation = std::array<Array3, 3>;
 /// \brief A matrix of rotation about `axis` (any length) by `angle` [rad].
-std::array<Array3, 3> rotation(const Array3& axis, double angle);
+Rotation rotation(const Array3& axis, double angle);
+inline const Rotation identity = rotation({0, 0, 1}, 0.0), tilted = rotation({0.3, -0.8, 0.5}, 2.1);
 
 Array3 operator*(const std::array<Array3, 3>& Q, const Array3& x);
 double dot(const Array3& a, const Array3& b);

@@ -299,7 +299,7 @@ double vonMises(const Stress& s) {
 
 #define HAPTOS_INSTANTIATE(Shape)                                                                                               \
   template ElementGradients<Shape> elementGradients(const Coordinates&, const ElementGroup&, int);                              \
-  template void elementStiffness(const ElementGradients<Shape>&, const ElasticModuli&, Formulation, ElementStiffness<Shape>&);     \
+  template void elementStiffness(const ElementGradients<Shape>&, const ElasticModuli&, Formulation, ElementStiffness<Shape>&);  \
   template ElementVector<Shape> elementForce(const ElementGradients<Shape>&, const ElasticModuli&, Formulation,                 \
                                              const ElementVector<Shape>&);
 HAPTOS_INSTANTIATE(Hex8Shape)

@@ -9,6 +9,7 @@
 #include <Tpetra_Core.hpp>
 #include <Tpetra_Vector.hpp>
 
+#include "ContactScene.hpp"
 #include "Haptos_BoxMesh.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
@@ -19,6 +20,7 @@
 namespace {
 
 using namespace Haptos;
+using Testing::contains;
 using Teuchos::ParameterList;
 
 Teuchos::Array<std::string> names(std::vector<std::string> list) { return Teuchos::Array<std::string>(list); }
@@ -88,8 +90,6 @@ std::string refusalOfRun(const ParameterList& list, const SourceMesh& mesh = bar
   return "(nothing thrown)";
 }
 
-bool mentions(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
-
 // The whole bar as one matrix, its loads summed from the subdomains, its conditions eliminated.
 Eigen::VectorXd directSolution(const Mesh& mesh, const Eigen::VectorXd& f, const std::vector<PrescribedDisplacement>& given) {
   ElementGroup group;
@@ -151,8 +151,8 @@ TEUCHOS_UNIT_TEST(Simulation, ContradictingDisplacementsAreRefused) {
   other.set("Value", numbers({0.0, 0.0, 0.02}));
   const std::string message = refusalOfRun(list);
   out << message << "\n";
-  TEST_ASSERT(mentions(message, "Boundary Conditions->other->Value") && mentions(message, "Boundary Conditions->clamp") &&
-              mentions(message, "node "));
+  TEST_ASSERT(contains(message, "Boundary Conditions->other->Value") && contains(message, "Boundary Conditions->clamp") &&
+              contains(message, "node "));
   other.set("Value", numbers({0.0, 0.0, 0.01}));  // the same value twice is no contradiction
   Run same(list, bar());
   TEST_NOTHROW(same.simulation->prepare());
@@ -179,11 +179,11 @@ TEUCHOS_UNIT_TEST(Simulation, MissingNamesAreListed) {
   ParameterList list = barParameters();
   list.sublist("Boundary Conditions").sublist("pull").set("Sets", names({"rigth"}));
   const std::string set = refusalOfRun(list);
-  TEST_ASSERT(mentions(set, "'rigth'") && mentions(set, "right") && mentions(set, "Boundary Conditions->pull->Sets"));
+  TEST_ASSERT(contains(set, "'rigth'") && contains(set, "right") && contains(set, "Boundary Conditions->pull->Sets"));
   list = barParameters();
   list.sublist("Materials").sublist("steel").set("Element Blocks", names({"beam"}));
   const std::string block = refusalOfRun(list);
-  TEST_ASSERT(mentions(block, "'beam'") && mentions(block, "bar (7)"));
+  TEST_ASSERT(contains(block, "'beam'") && contains(block, "bar (7)"));
 }
 
 TEUCHOS_UNIT_TEST(Simulation, UnheldBodyIsNamed) {
@@ -191,7 +191,7 @@ TEUCHOS_UNIT_TEST(Simulation, UnheldBodyIsNamed) {
   list.sublist("Boundary Conditions").remove("clamp");
   const std::string message = refusalOfRun<InsufficientModel>(list);
   out << message << "\n";
-  TEST_ASSERT(mentions(message, "body 'bar'") && mentions(message, "held by nothing"));
+  TEST_ASSERT(contains(message, "body 'bar'") && contains(message, "held by nothing"));
 }
 
 // A sheet whose bending stiffness is lost beside that of its plane: told where it is, on all ranks.
@@ -208,7 +208,7 @@ TEUCHOS_UNIT_TEST(Simulation, WhatDoublePrecisionCannotHoldIsRefused) {
       message = e.what();
     }
     out << message << "\n";
-    TEST_ASSERT(mentions(message, "cannot be solved with 16 digits") && mentions(message, "of the part from ("));
+    TEST_ASSERT(contains(message, "cannot be solved with 16 digits") && contains(message, "of the part from ("));
   }
 }
 
