@@ -47,9 +47,15 @@ void useVectorKernels() {
 #endif
 }
 
-// A process that no mpirun has started would start a daemon of Open MPI and wait for it, a quarter of the seconds of a small run; it is for ranks that
-// are spawned later, and we spawn none.
-void startNoDaemon() { setenv("OMPI_MCA_ess_singleton_isolated", "1", 0); }
+// A process that no launcher has started would start a daemon of Open MPI and wait for it, a quarter of the seconds of a small run; it is for ranks that
+// are spawned later, and we spawn none.  Without a daemon all such processes have the same job number, hence the same session folder: one run would
+// remove it while another makes it.  A process by itself needs none; ranks do, for their shared memory.
+void startNoDaemon() {
+  for (const char* launched : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK", "PMI_RANK", "SLURM_PROCID"})
+    if (std::getenv(launched) != nullptr) return;
+  setenv("OMPI_MCA_ess_singleton_isolated", "1", 0);
+  setenv("OMPI_MCA_orte_create_session_dirs", "0", 0);
+}
 
 // Under AddressSanitizer malloc is its own, which writes an eighth of what is asked for: 2.6 GB and 4 s a process.
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__)

@@ -1,7 +1,9 @@
 # SPDX-License-Identifier: BSD-3-Clause
 """Exit statuses 0, 2 and 3: what is solved, what is not converged, what has no solution."""
 import json
+import os
 import re
+import unittest.mock
 
 import haptos_runs
 from haptos_runs import INPUTS, SceneTest, displacement, run_haptos, stack
@@ -86,6 +88,13 @@ class Solved(SceneTest):
                     self.assertAlmostEqual(joint["normal_force"], 1.0, delta=1e-5)
                     self.assertAlmostEqual(joint["tangential_force"][0], -0.3 * part, delta=1e-5)
                     self.assertGreater(joint["stick"], 0, "nothing sticks, so nothing holds")
+
+    def test_without_mpirun_no_folder_is_shared(self):
+        """Runs side by side would make and remove the same session folder of MPI."""
+        no_folder = self.folder / "file"
+        no_folder.touch()
+        with unittest.mock.patch.dict(os.environ, TMPDIR=str(no_folder)):
+            self.assertEqual(self.solve(stack())["haptos"]["ranks"], 1)
 
     def test_friction_along_one_axis_only(self):
         """The body is free to slide along the other axis, where no load acts."""
