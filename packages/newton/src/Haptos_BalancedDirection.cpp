@@ -29,7 +29,7 @@ BalancedDirection::BalancedDirection(const ContactOperators& dual, const Eigen::
       balance_(balance),
       options_(options),
       stiffness_(diagonalOfM),
-      preconditioner_(dual, vectors, balance.numFloating() > 0 ? options.slipToleranceFloating : options.slipTolerance, options.slipSteps) {
+      preconditioner_(dual, vectors, options.slipTolerance, options.slipSteps) {
   const Eigen::VectorXd contact = vectors.contact(stiffness_);
   std::vector<double> normal;
   for (Eigen::Index i = 0; i < vectors.numPairs(); ++i)

@@ -9,7 +9,8 @@ namespace Haptos {
 //
 //   d = N a + y,  G y = b - B N a,  N^T y = 0   gives   (N^T G^-1 B N) a = N^T G^-1 b   for those N that B resists,
 //
-// whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.
+// whose small matrix keeps the digits of a weak B: N^T M N, which is round-off, is in none of it.  Where B feels nothing of motions N_0 there is a
+// solution for b with Z^T b = 0 only, Z = G^-T N_0: Z^T (A M + B) = 0, as Z^T G is in the span of N^T.  The rest of b no solution can give.
 ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& kernel, Eigen::MatrixXd blocks, Shape shape)
     : M_(M), kernel_(kernel), blocks_(std::move(blocks)) {
   findRest();
@@ -17,7 +18,9 @@ ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& ke
   Eigen::MatrixXd G = shape == Shape::Symmetric ? symmetricRestMatrix() : restMatrix();
   if (N.cols() > 0) G += M_.diagonal().mean() * timesOnRest(&ContactFactor::A, N) * N.transpose();
   factor_ = DenseFactor(std::move(G), shape == Shape::Symmetric ? DenseFactor::Kind::Cholesky : DenseFactor::Kind::Lu);
-  prepareKernel(N * MotionsOfB(timesOnRest(&ContactFactor::B, N)).held);
+  const MotionsOfB motions(timesOnRest(&ContactFactor::B, N));
+  prepareKernel(N * motions.held);
+  prepareImpossible(N * motions.free);
 }
 
 ContactFactor::ContactFactor(const Eigen::MatrixXd& M, const Eigen::MatrixXd& kernel, const Eigen::MatrixXd& C, Eigen::MatrixXd blocks)
@@ -74,16 +77,24 @@ Eigen::MatrixXd ContactFactor::symmetricRestMatrix() const {
   return block;
 }
 
-// (b - (A M + B) x)(rest); what a motion of the kernel leaves of M by round-off is left out, as bodies may have gone far.
+// (b - (A M + B) x)(rest), of b what is possible; what a motion of the kernel leaves of M by round-off is left out, as bodies may have gone far.
 Eigen::VectorXd ContactFactor::residual(const Eigen::VectorXd& b, const Eigen::VectorXd& x) const {
   Eigen::VectorXd left = b(rest_);
-  if (x.isZero(0)) return left;  // a product is read from memory
+  if (x.isZero(0)) return possible(left);  // a product is read from memory
   const Eigen::VectorXd bent = x - kernel_ * (kernel_.transpose() * x), Mx = symmetricTimes(M_, bent);
   for (Eigen::Index i = 0; i < left.size(); ++i) {
     const Eigen::Index row = rest_[std::size_t(i)], at = row - row % 3;
     for (Eigen::Index k = 0; k < 3; ++k) left[i] -= A(row, k) * Mx[at + k] + B(row, k) * x[at + k];
   }
-  return left;
+  return possible(left);
+}
+
+// What is left where all of b is impossible is round-off.
+Eigen::VectorXd ContactFactor::possible(const Eigen::VectorXd& b) const {
+  constexpr double kNothing = 1e-12;
+  if (impossible_.cols() == 0) return b;
+  const Eigen::VectorXd left = b - impossible_ * (impossible_.transpose() * b);
+  return left.norm() > kNothing * b.norm() ? left : Eigen::VectorXd(Eigen::VectorXd::Zero(b.size()));
 }
 
 Eigen::VectorXd ContactFactor::withRest(Eigen::VectorXd x, const Eigen::VectorXd& rest) const {
@@ -121,6 +132,13 @@ void ContactFactor::prepareKernel(const Eigen::MatrixXd& held) {
   const Eigen::MatrixXd H = held_.transpose() * answers_;
   scale_ = H.diagonal().cwiseAbs().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt().cwiseInverse();
   small_ = scale_.asDiagonal() * H * scale_.asDiagonal();
+}
+
+// Of a singular G nothing is known; `isSolution` tells.
+void ContactFactor::prepareImpossible(const Eigen::MatrixXd& free) {
+  if (free.cols() == 0) return;
+  const Eigen::MatrixXd Z = factor_.solveTransposed(free);
+  if (Z.allFinite()) impossible_ = orthonormalBasis(Z);
 }
 
 // Where forces are solved for C has lost some digits of M's: what is left is solved for once more.

@@ -26,12 +26,14 @@ class ContactFactor {
   /// \brief Whether pairs tell more forces by themselves than jumps: the other rows are what is factored.
   static bool isSmallerByForces(const Eigen::MatrixXd& blocks);
 
+  /// \brief Where motions of the kernel are free: of what can be solved of b, motions resting.  By forces b must be such.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  /// \brief Whether x, of the `solve` of b, is a solution as good as round-off lets it be: a singular matrix has none, and no factor tells.
+  /// \brief Whether x, of the `solve` of b, is a solution as good as round-off lets it be: another singular matrix has none, and no factor tells.
   bool isSolution(const Eigen::VectorXd& x, const Eigen::VectorXd& b) const;
   /// \brief That of least norm, where there is none.
   Eigen::VectorXd solveLeastSquares(const Eigen::VectorXd& b) const;
 
+  bool hasFree() const { return impossible_.cols() > 0; }  ///< motions that neither M nor B feels; not by forces
   Eigen::Index numFactored() const { return forces_ ? forces_->numFactored() : Eigen::Index(rest_.size()); }  ///< rows
 
   /// \brief Pairs whose other blocks differ from these by more than a tenth.
@@ -51,6 +53,8 @@ class ContactFactor {
   Eigen::MatrixXd timesOnRest(double (ContactFactor::*block)(Eigen::Index, Eigen::Index) const, const Eigen::MatrixXd& X) const;
   Eigen::MatrixXd kernelOnRest() const;
   void prepareKernel(const Eigen::MatrixXd& held);
+  void prepareImpossible(const Eigen::MatrixXd& free);
+  Eigen::VectorXd possible(const Eigen::VectorXd& b) const;
 
   const Eigen::MatrixXd &M_, &kernel_;
   Eigen::MatrixXd blocks_;
@@ -60,6 +64,7 @@ class ContactFactor {
   // Of motions that B resists, on the rest: N, G^-1 B N, and N^T G^-1 B N scaled to unit diagonal.
   Eigen::MatrixXd held_, answers_, small_;
   Eigen::VectorXd scale_;
+  Eigen::MatrixXd impossible_;  // Z on the rest, orthonormal
 };
 
 }  // namespace Haptos

@@ -320,7 +320,7 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixX
   if (!isSolved) {
     factor = std::make_unique<const ContactFactor>(dense_, wholeKernel_, blocks, ContactFactor::Shape::General);
     isSolved = isSolvedBy(*factor);
-    if (isTried && isSolved) isCompliant_ = false;  // it was not the matrix that is singular
+    if (isTried && isSolved && !factor->hasFree()) isCompliant_ = false;  // it was not the matrix that is singular
   }
   if (isSolved) last_ = std::move(factor);
   else if (kind_ == Kind::Products) return {};
@@ -328,13 +328,14 @@ std::optional<Eigen::VectorXd> ContactMatrix::solveDirectly(const Eigen::MatrixX
   return x.segment(numbering_.first(), b.size());
 }
 
-// Once the set of what slips has settled a factor serves many steps.  Collective.
+// Once the set of what slips has settled a factor serves many steps.  What is free now goes so far by one that was made when it was held that
+// what GMRES knows of the residual is round-off of its way.  Collective.
 std::optional<Eigen::VectorXd> ContactMatrix::solveByLast(ContactEquations equations, const Eigen::MatrixXd& blocks, const Eigen::VectorXd& b) const {
   if (!last_ || last_->numChanged(blocks) > options_.changedPairs) return {};
   equations.preconditioner = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd { return last_->solve(onAllRanks(x)).segment(numbering_.first(), x.size()); };
   equations.steps = options_.stepsByLast;
   const auto solution = equations.solveByGmres(vectors_, b);
-  if (!solution.isConverged) return {};
+  if (!solution.isConverged || vectors_.norm(b - equations.matrix(solution.x)) > 2 * equations.tolerance * vectors_.norm(b)) return {};
   return solution.x;
 }
 

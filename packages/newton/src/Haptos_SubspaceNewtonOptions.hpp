@@ -109,11 +109,10 @@ struct SubspaceNewtonOptions {
     /// 20, same counts; at 0.2 METIS parts take up to two F more.
     double coarseChange = 0.1;
     int sweeps = 2;  ///< that balance by the law; each leaves about a tenth, the coefficient of friction times the coupling
-    /// Of q in (M^-1 + C)^-1, relative.  1e-3 costs up to three F at contrasts of 1e6, 1e-6 brings nothing.
-    double slipTolerance = 1e-4;
-    /// A stiff body that floats on a soft one moves where q is small beside its largest entries: 1e-3 ran away, 1e-5 does not.
-    double slipToleranceFloating = 1e-6;
-    int slipSteps = 40;  ///< of conjugate gradients, one reduction each; 6 to 16 are taken mostly
+    /// Of q in (M^-1 + C)^-1, relative.  1e-3 costs up to three F at contrasts of 1e6; a stiff body that floats on a soft one moves where q is small beside
+    /// its largest entries, 1e-3 ran away, 1e-5 does not; at 1e-4 round-off decides on the fourth digit of a step, at 1e-6 on the sixth (decisions/015).
+    double slipTolerance = 1e-6;
+    int slipSteps = 60;  ///< of conjugate gradients, one reduction each; 10 to 30 are taken mostly
     /// What contact forces push floating bodies with is spread by H^T r P' H, made regular by these parts of its trace and of
     /// H^T r H.
     double floatingShift = 1e-8, floatingHold = 1e-10;

@@ -64,3 +64,38 @@ TEUCHOS_UNIT_TEST(ContactFactor, NoSolutionOfASingularMatrixIsOne) {
     TEST_ASSERT(!factor.isSolution(Eigen::VectorXd::Zero(kRows), b));
   }
 }
+
+// A motion along the first tangents of pairs that slip (the first two, under friction) or are open (the last one): neither M nor B feels it, and b has a
+// part that no solution gives, which is not along it, as friction follows normal forces.  The rest is solved as least squares are, the motion resting.
+TEUCHOS_UNIT_TEST(ContactFactor, FreeMotionsRestAndWhatIsPossibleIsSolved) {
+  Eigen::MatrixXd motion = Eigen::VectorXd::Zero(kRows);
+  motion(1) = 1, motion(4) = -2, motion(7) = 0.5;
+  motion.normalize();
+  const Matrix P = Matrix::Identity() - motion * motion.transpose();
+  for (const double unit : {1e-6, 1.0, 1e8}) {
+    const Eigen::MatrixXd M = unit * P * reflection() * Eigen::VectorXd::LinSpaced(kRows, 1, 3).asDiagonal() * reflection().transpose() * P;
+    Eigen::MatrixXd law = blocks(0) / unit;  // A / r where nothing else is said, r as stiff as M
+    law.row(0) << 0, 0, 0, 1, 0, 0;
+    law.row(1) << -0.3 / unit, 1 / unit, 0, 0.3, 0, 0;
+    law.row(2) << 0, 0, 0, 0, 0, 1;
+    law.row(3) << 0, 0, 0, 1, 0, 0;
+    law.row(4) << 0.6 / unit, 1 / unit, 0, -0.6, 0, 0;
+    Eigen::MatrixXd AMB(kRows, kRows);
+    for (Eigen::Index row = 0; row < kRows; ++row) {
+      const Eigen::Index at = row - row % 3;
+      AMB.row(row) = law.row(row).head<3>() * M.middleRows<3>(at);
+      AMB.row(row).segment<3>(at) += law.row(row).tail<3>();
+    }
+    const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(kRows, 1, -0.7);
+    const ContactFactor factor(M, motion, law, ContactFactor::Shape::General);
+    const Eigen::VectorXd x = factor.solve(b), left = b - AMB * x;
+    out << "unit " << unit << ": |x| " << x.norm() << ", left " << left.norm() << "\n";
+    TEST_ASSERT(factor.hasFree());
+    TEST_ASSERT(factor.isSolution(x, b));
+    TEST_COMPARE(std::abs(x.dot(motion.col(0))), <, 1e-12 * x.norm());
+    TEST_COMPARE(left.norm(), >, 1e-2);
+    for (const Eigen::Index known : {0, 2, 3}) TEST_COMPARE(std::abs(left[known]), <, 1e-12);
+    for (const Eigen::Index row : {1, 4, 5, 6, 7, 8}) TEST_COMPARE(std::abs(AMB.col(row).dot(left)), <, 1e-12);
+    TEST_ASSERT(!factor.isSolution(x + 1e-3 * reflection().col(1), b));
+  }
+}

@@ -117,6 +117,32 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWhatIsPossibleWhereBodiesAreFree) {
   TEST_EQUALITY(t.vectors.norm(matrix.solve(A, B, t.contactPart(impossible), 1e-12)), 0.0);
 }
 
+// The same where the matrix is dense and the factor of before held the bodies by one pair: by it what is free goes as far as round-off lets it.
+TEUCHOS_UNIT_TEST(ContactMatrix, WhatComesFreeGoesNowhereByTheFactorOfBefore) {
+  const Scene t(true);
+  const Eigen::Index n = 3 * kGroups;
+  const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
+  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
+  M.topLeftCorner(n, n) = P * t.contactM() * P;
+  Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), 6);
+  for (Eigen::Index j = 0; j < 6; ++j) kernel.col(j) = t.contactPart(J.col(j));
+  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), t.contactPart(M.topLeftCorner(n, n).diagonal()), {}, kernel},
+                             t.vectors, ContactMatrix::Kind::Dense, {});
+  const ContactMatrix::Blocks A(t.dual.pairs.size(), Eigen::Matrix3d(0.5 * Eigen::Matrix3d::Identity()));
+  const auto solve = [&](double held, const DenseVector& b) {
+    ContactMatrix::Blocks B(t.dual.pairs.size(), Eigen::Matrix3d::Zero());
+    for (std::size_t i = 0; i < B.size(); ++i)
+      if (t.setup.map->getGlobalElement(t.dual.pairs[i].normal) < 9) B[i] = held * Eigen::Matrix3d::Identity();  // three pairs
+    return matrix.solve(A, B, t.contactPart(b), 1e-6);
+  };
+  const DenseVector expected = P * numbers(n, 0.4), possible = 0.5 * M.topLeftCorner(n, n) * expected, impossible = 7 * J.col(2);
+  TEST_ASSERT(t.vectors.norm(solve(1e-3, possible + impossible)) > 1e2 * expected.norm());
+  TEST_COMPARE(t.vectors.norm(solve(0, possible + impossible) - t.contactPart(expected)), <, 1e-10 * expected.norm());
+  TEST_EQUALITY(t.vectors.norm(solve(0, impossible)), 0.0);
+  solve(1e3, possible);
+  TEST_ASSERT(matrix.wasSmall());  // forces of few pairs are as good as before: they were no reason
+}
+
 // A body that friction holds along one axis only, by 1e-9 of what M is, goes far along the other: no residual tells of it.
 TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
   const Scene t(true);
