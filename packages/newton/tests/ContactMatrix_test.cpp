@@ -96,50 +96,55 @@ TEUCHOS_UNIT_TEST(ContactMatrix, AFactorServesWhereFewPairsChanged) {
   TEST_COMPARE(error(3, 3, 1.05), <, 1e-12);
 }
 
+// Bodies that float: M does not feel their motions J, and a load along one of them is nothing that a solution could have, A being 1/2.
+struct FloatingScene : Scene {
+  DenseMatrix J, P, M;
+  DenseVector expected, possible, impossible;
+  ContactMatrix::Blocks A{dual.pairs.size(), Eigen::Matrix3d(0.5 * Eigen::Matrix3d::Identity())};
+
+  FloatingScene() : Scene(true), J(GT.topRows(3 * kGroups).rightCols(6)) {
+    const DenseMatrix N = orthonormalBasis(J);
+    P = DenseMatrix::Identity(N.rows(), N.rows()) - N * N.transpose();
+    M = DenseMatrix::Zero(GT.rows(), GT.rows());
+    M.topLeftCorner(N.rows(), N.rows()) = P * contactM() * P;
+    expected = P * numbers(N.rows(), 0.4);
+    possible = 0.5 * M.topLeftCorner(N.rows(), N.rows()) * expected;
+    impossible = 7 * J.col(2);
+  }
+  ContactMatrix matrix(ContactMatrix::Kind kind, const SubspaceNewtonOptions::Condensed& options) const {
+    Eigen::MatrixXd kernel(3 * vectors.numPairs(), J.cols());
+    for (Eigen::Index j = 0; j < J.cols(); ++j) kernel.col(j) = contactPart(J.col(j));
+    return {{contactBlockOf(rcp(new DenseOperator(setup.map, M)), dual.pairs), contactPart(M.diagonal().head(3 * kGroups)), {}, kernel}, vectors, kind, options};
+  }
+};
+
 // Where all pairs are open nothing holds a floating body, and its part of b is nothing that a solution can have: what is left is solved, in few products, or
 // there is no step at all.
 TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWhatIsPossibleWhereBodiesAreFree) {
-  const Scene t(true);
-  const Eigen::Index n = 3 * kGroups;
-  const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
-  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
-  M.topLeftCorner(n, n) = P * t.contactM() * P;
-  Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), 6);
-  for (Eigen::Index j = 0; j < 6; ++j) kernel.col(j) = t.contactPart(J.col(j));
+  const FloatingScene t;
   SubspaceNewtonOptions::Condensed options;
   options.rowsOfStep = 1;  // no dense matrix
-  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), t.contactPart(M.topLeftCorner(n, n).diagonal()), {}, kernel},
-                             t.vectors, ContactMatrix::Kind::Products, options);
-  const ContactMatrix::Blocks A(t.dual.pairs.size(), Eigen::Matrix3d(0.5 * Eigen::Matrix3d::Identity())), B(t.dual.pairs.size(), Eigen::Matrix3d::Zero());
-  const DenseVector expected = P * numbers(n, 0.4), possible = 0.5 * M.topLeftCorner(n, n) * expected, impossible = 7 * J.col(2);
-  const Eigen::VectorXd d = matrix.solve(A, B, t.contactPart(possible + impossible), 1e-12);
-  TEST_COMPARE(t.vectors.norm(d - t.contactPart(expected)), <, 1e-8 * expected.norm());
-  TEST_EQUALITY(t.vectors.norm(matrix.solve(A, B, t.contactPart(impossible), 1e-12)), 0.0);
+  const ContactMatrix matrix = t.matrix(ContactMatrix::Kind::Products, options);
+  const ContactMatrix::Blocks B(t.dual.pairs.size(), Eigen::Matrix3d::Zero());
+  const Eigen::VectorXd d = matrix.solve(t.A, B, t.contactPart(t.possible + t.impossible), 1e-12);
+  TEST_COMPARE(t.vectors.norm(d - t.contactPart(t.expected)), <, 1e-8 * t.expected.norm());
+  TEST_EQUALITY(t.vectors.norm(matrix.solve(t.A, B, t.contactPart(t.impossible), 1e-12)), 0.0);
 }
 
-// The same where the matrix is dense and the factor of before held the bodies by one pair: by it what is free goes as far as round-off lets it.
+// The same where the matrix is dense and the factor of before held the bodies by three pairs: by it what is free goes as far as round-off lets it.
 TEUCHOS_UNIT_TEST(ContactMatrix, WhatComesFreeGoesNowhereByTheFactorOfBefore) {
-  const Scene t(true);
-  const Eigen::Index n = 3 * kGroups;
-  const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
-  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
-  M.topLeftCorner(n, n) = P * t.contactM() * P;
-  Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), 6);
-  for (Eigen::Index j = 0; j < 6; ++j) kernel.col(j) = t.contactPart(J.col(j));
-  const ContactMatrix matrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, M)), t.dual.pairs), t.contactPart(M.topLeftCorner(n, n).diagonal()), {}, kernel},
-                             t.vectors, ContactMatrix::Kind::Dense, {});
-  const ContactMatrix::Blocks A(t.dual.pairs.size(), Eigen::Matrix3d(0.5 * Eigen::Matrix3d::Identity()));
+  const FloatingScene t;
+  const ContactMatrix matrix = t.matrix(ContactMatrix::Kind::Dense, {});
   const auto solve = [&](double held, const DenseVector& b) {
     ContactMatrix::Blocks B(t.dual.pairs.size(), Eigen::Matrix3d::Zero());
     for (std::size_t i = 0; i < B.size(); ++i)
-      if (t.setup.map->getGlobalElement(t.dual.pairs[i].normal) < 9) B[i] = held * Eigen::Matrix3d::Identity();  // three pairs
-    return matrix.solve(A, B, t.contactPart(b), 1e-6);
+      if (t.setup.map->getGlobalElement(t.dual.pairs[i].normal) < 9) B[i] = held * Eigen::Matrix3d::Identity();
+    return matrix.solve(t.A, B, t.contactPart(b), 1e-6);
   };
-  const DenseVector expected = P * numbers(n, 0.4), possible = 0.5 * M.topLeftCorner(n, n) * expected, impossible = 7 * J.col(2);
-  TEST_ASSERT(t.vectors.norm(solve(1e-3, possible + impossible)) > 1e2 * expected.norm());
-  TEST_COMPARE(t.vectors.norm(solve(0, possible + impossible) - t.contactPart(expected)), <, 1e-10 * expected.norm());
-  TEST_EQUALITY(t.vectors.norm(solve(0, impossible)), 0.0);
-  solve(1e3, possible);
+  TEST_ASSERT(t.vectors.norm(solve(1e-3, t.possible + t.impossible)) > 1e2 * t.expected.norm());
+  TEST_COMPARE(t.vectors.norm(solve(0, t.possible + t.impossible) - t.contactPart(t.expected)), <, 1e-10 * t.expected.norm());
+  TEST_EQUALITY(t.vectors.norm(solve(0, t.impossible)), 0.0);
+  solve(1e3, t.possible);
   TEST_ASSERT(matrix.wasSmall());  // forces of few pairs are as good as before: they were no reason
 }
 
