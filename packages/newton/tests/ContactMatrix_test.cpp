@@ -150,11 +150,9 @@ TEUCHOS_UNIT_TEST(ContactMatrix, WhatComesFreeGoesNowhereByTheFactorOfBefore) {
 
 // A body that friction holds along one axis only, by 1e-9 of what M is, goes far along the other: no residual tells of it.
 TEUCHOS_UNIT_TEST(ContactMatrix, SolvesForMotionsThatMDoesNotFeel) {
-  const Scene t(true);
+  const FloatingScene t;
   const Eigen::Index n = 3 * kGroups;
-  const DenseMatrix J = t.GT.topRows(n).rightCols(6), N = orthonormalBasis(J), P = DenseMatrix::Identity(n, n) - N * N.transpose();
-  DenseMatrix M = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
-  M.topLeftCorner(n, n) = P * t.contactM() * P;
+  const DenseMatrix &J = t.J, &P = t.P, &M = t.M;
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   const Eigen::Vector3d held(1, 0.5, 1e-9);
   const ContactMatrix::Blocks one(t.dual.pairs.size(), Eigen::Matrix3d::Identity()), K(t.dual.pairs.size(), held.asDiagonal());
