@@ -222,7 +222,15 @@ void SubspaceNewtonIter::advance(NewtonState& state, const NewtonLimits& limits,
   const double before = norm_;
   solveInSubspace(state);
   measure(state);  // the norm in the subspace is a difference
+  if (norm_ > std::max(options_.stays * before, options_.roundOff * limits.reference)) dropRigidPart(state);
   chooseMode(before);
+}
+
+// Pairs that a poor M made long leave round-off of their way in the jumps.  As far as that is a motion of subdomains no direction takes it off,
+// as none sees it (decisions/010).
+void SubspaceNewtonIter::dropRigidPart(NewtonState& state) {
+  balance_.removeRigidPart(state.s);
+  linearize(state);
 }
 
 NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, NewtonState& state, const NewtonLimits& limits,

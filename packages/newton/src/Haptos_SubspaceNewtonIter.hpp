@@ -60,6 +60,7 @@ class SubspaceNewtonIter {
   void begin(const std::vector<PairLaw>& pairs, const NewtonState& state);
   void advance(NewtonState& state, const NewtonLimits& limits, bool needsDirection);
   void linearize(const NewtonState& state);
+  void dropRigidPart(NewtonState& state);
   void measure(const NewtonState& state);
   void addDirection(const Eigen::VectorXd& dLambda, const Eigen::VectorXd& dS, const NewtonState& state);
   void planStep(double length, const Eigen::VectorXd& jumpChange);

@@ -66,6 +66,7 @@ struct SubspaceNewtonOptions {
     /// The step that a direction was made for is taken up to there, too, where what is reached otherwise leaves this much: from the same state the
     /// same direction would come again.  .98 left one of three needles at 148 F, .8 took 46 instead of 21 in another (decisions/052).
     double stays = 0.9;
+    double roundOff = 1e-13;       ///< of the jumps at the start: a residual below is not freed of rigid motions, it would fall to 0 (decisions/010)
 
     int window = 3;                ///< steps over which the residual must fall by windowFactor; else the way is poor
     double windowFactor = 0.6;
