@@ -247,6 +247,14 @@ class Solved(SceneTest):
 
 
 class NotConverged(SceneTest):
+    def test_lifted_and_pulled(self):
+        """A support lifts the body off, so that no pair holds what is pulled: not seen before, but told."""
+        scene = sliding(-0.1)
+        scene["Boundary Conditions"]["press"] = {"Type": "Displacement", "Sets": ["upper_top"], "Components": "z", "Value": [0.1]}
+        for ranks in RANKS:
+            outcome = self.run_scene(scene, ranks=ranks)
+            self.assert_one_message(outcome, 2, "slide or are open", "body 'upper': translation along (-1, 0, 0)", "gaps too wide")
+
     def assert_reason(self, summary):
         """The measure that is worst, its value, and where it is."""
         accuracy, reason = summary["accuracy"], summary["solver"]["reason"]

@@ -51,7 +51,7 @@ Method: {method}; {ranks}. Machine: {machine}.
 {table}
 
 The published table prints n_d = 125047 in the last cell; the rows of B are 125178.
-Made by `tests/regression/table31.py --method "{method}" --write doc/table31.md`.
+Made by `python3 tests/regression/table31.py --method "{method}" --write doc/table31.md`.
 """
 
 

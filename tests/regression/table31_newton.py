@@ -47,7 +47,7 @@ Method: {method}, 1 rank.
 
 {verdict}
 
-Made by `tests/regression/table31_newton.py --write doc/table31_newton.md`.
+Made by `python3 tests/regression/table31_newton.py --write doc/table31_newton.md`.
 """
 
 

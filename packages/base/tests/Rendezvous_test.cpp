@@ -114,6 +114,12 @@ TEUCHOS_UNIT_TEST(Reductions, NumbersArraysAndMatrices) {
   TEST_ASSERT(lower == (std::vector<long>{me, long(me) * (me - 1)}));
   TEST_ASSERT(largestOfAll(world(), std::array<int, 2>{me, -me}) == (std::array<int, 2>{ranks - 1, 0}));
   TEST_ASSERT(sumOfAll(world(), std::vector<int>{}).empty());
+  const std::vector<int> mine = {1, 2, 3, 4, 5, 6, 7};
+  std::vector<int> all(mine.size());
+  for (const int most : {1, 3, 7, 8}) {  // in parts of so many
+    reduceParts(world(), Teuchos::REDUCE_SUM, std::int64_t(mine.size()), mine.data(), all.data(), most);
+    for (int i = 0; i < 7; ++i) TEST_EQUALITY(all[std::size_t(i)], ranks * (i + 1));
+  }
   TEST_ASSERT(sumOfAll(world(), Eigen::MatrixXd(Eigen::MatrixXd::Identity(2, 3))) == Eigen::MatrixXd(ranks * Eigen::MatrixXd::Identity(2, 3)));
 }
 

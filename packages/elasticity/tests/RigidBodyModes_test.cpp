@@ -71,6 +71,8 @@ TEUCHOS_UNIT_TEST(RigidBodyModes, MotionsAreNamed) {
   const Vector3d zero = Vector3d::Zero(), centre(1, 2, 0.5);
   TEST_EQUALITY(describeRigidMotion({Vector3d(-3, -3, 1e-9), zero, centre, 2.0}),
                 "translation along (0.71, 0.71, 0)");
+  TEST_EQUALITY(describeRigidMotion({Vector3d(-3, -3, 1e-9), zero, centre, 2.0}, MotionSense::AsGiven),
+                "translation along (-0.71, -0.71, 0)");
   TEST_EQUALITY(describeRigidMotion({zero, Vector3d(0, 0, -0.1), Vector3d(1, 2, 3), 2.0}),
                 "rotation about the axis (0, 0, 1) through (1, 2, 3)");
   // Rotation about the line x = 4, y = 2, seen from another centre.

@@ -115,7 +115,7 @@ BodyMotions::BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& system
 }
 
 // One body is named: the one that moves most, the first of equals.
-std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible) const {
+std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible, MotionSense sense) const {
   std::vector<Motion> motions(names_.size(), Motion::Zero());
   for (std::size_t j = 0; j < columns_.size(); ++j) motions[std::size_t(columns_[j].body)] += y[Eigen::Index(j)] * columns_[j].motion;
   for (Motion& m : motions)
@@ -124,7 +124,7 @@ std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible) c
   for (std::size_t b = 1; b < motions.size(); ++b)
     if (motions[b].norm() > (1 + 1e-9) * motions[body].norm()) body = b;
   const Motion& m = motions[body];
-  return "body '" + names_[body] + "': " + describeRigidMotion({m.head<3>(), m.tail<3>() / size_[body], centre_[body], size_[body]});
+  return "body '" + names_[body] + "': " + describeRigidMotion({m.head<3>(), m.tail<3>() / size_[body], centre_[body], size_[body]}, sense);
 }
 
 Eigen::SparseVector<double> BodyMotions::hold(int motion) const {

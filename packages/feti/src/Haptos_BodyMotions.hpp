@@ -8,6 +8,7 @@
 
 #include "Haptos_CoarseProblem.hpp"
 #include "Haptos_NaturalCoarseSpace.hpp"
+#include "Haptos_RigidBodyModes.hpp"
 
 namespace Haptos {
 
@@ -30,7 +31,7 @@ class BodyMotions {
 
   /// \brief "body 'upper': translation along (1, 0, 0)" for the body that moves most in y [motions].
   /// \param negligible rotations that move no node by this part of the translation are not named
-  std::string describe(const Eigen::VectorXd& y, double negligible = 0) const;
+  std::string describe(const Eigen::VectorXd& y, double negligible = 0, MotionSense sense = MotionSense::Either) const;
 
   /// \brief One coarse vector that acts on a motion, a column of Z, in its body's first subdomain alone.
   Eigen::SparseVector<double> hold(int motion) const;

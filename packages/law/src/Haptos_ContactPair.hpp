@@ -56,6 +56,7 @@ struct ContactInterface {
   std::size_t unpairedNodes = 0;   ///< secondary nodes that no primary face lies opposite
   std::shared_ptr<UnpairedNodes> unpaired;  ///< those of them that may get a row later; null: none
   bool isMortar = false;
+  bool isExchanged = false;  ///< pairs have as secondary what the user calls the primary side
   InitialOverlap overlap;
   std::vector<NodeMove> moves;     ///< of nodes in the mesh that the stiffness is made with
   std::vector<std::string> notes;  ///< full sentences for the report: what was left out, what looks odd

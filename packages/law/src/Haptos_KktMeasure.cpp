@@ -6,6 +6,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "Haptos_EllipseProjection.hpp"
 
@@ -26,9 +27,15 @@ double distanceToProjection(const PairLaw& pair, const Triple& lambda, double st
   return std::hypot(lambda[1] - P[0], lambda[2] - P[1]);
 }
 
-// The contact errors of one pair.
+bool isFinite(const Triple& x) { return std::isfinite(x[0]) && std::isfinite(x[1]) && std::isfinite(x[2]); }
+
+// The contact errors of one pair: infinite where something is no number, which comparisons would take for 0.
 KktErrors measurePair(const PairLaw& pair, const Triple& lambda, const Triple& s, double uRef, double lRef) {
   KktErrors errors;
+  if (!isFinite(lambda) || !isFinite(s)) {
+    errors.penetration = std::numeric_limits<double>::infinity();
+    return errors;
+  }
   if (!pair.normalPinned) {
     errors.penetration = ratio(std::max(0.0, s[0]), uRef);
     errors.compression = ratio(std::max(0.0, -lambda[0]), lRef);

@@ -73,8 +73,9 @@ std::string format(Vector3d v, double zeroBelow, int digits) {
 }
 
 // An axis has no sign: the first component that is printed is made positive.
-std::string formatDirection(Vector3d direction) {
+std::string formatDirection(Vector3d direction, MotionSense sense = MotionSense::Either) {
   direction.normalize();
+  if (sense == MotionSense::AsGiven) return format(direction, 0.005, 2);
   for (int i = 0; i < 3; ++i) {
     if (std::abs(direction(i)) < 0.005) continue;
     if (direction(i) < 0.0) direction = -direction;
@@ -114,11 +115,11 @@ Eigen::MatrixXd rigidBodyModes(const Coordinates& coordinates, const std::vector
 }
 
 // A screw: axis, a point on it, and whether it also moves along.  What is negligible is not said.
-std::string describeRigidMotion(const RigidMotion& motion) {
+std::string describeRigidMotion(const RigidMotion& motion, MotionSense sense) {
   const Vector3d &t = motion.translation, &w = motion.rotation;
   const double moved = t.norm(), turned = w.norm() * motion.size;
   if (!(moved > 0.0) && !(turned > 0.0)) return "no motion";
-  if (turned <= negligible * moved) return "translation along " + formatDirection(t);
+  if (turned <= negligible * moved) return "translation along " + formatDirection(t, sense);
 
   // u = 0 across the axis: w x (x - centre) + t_perpendicular = 0
   const Vector3d nearest = motion.centre + w.cross(t) / w.squaredNorm();

@@ -33,11 +33,14 @@ struct RigidMotion {
   double size;  ///< largest distance of the body's nodes from `centre`, > 0: tells which part matters
 };
 
+/// \brief Whether a motion stands for its opposite as well, as one that nothing holds does, or has a way: that which loads drive.
+enum class MotionSense { Either, AsGiven };
+
 /// \brief "translation along (0.71, 0.71, 0)", "rotation about the axis (0, 0, 1) through (1, 2, 3)", the
 /// latter "with translation along the axis" where it is a screw; "no motion" for zero.
 ///
-/// Directions are of unit length with a positive first component; the point of the axis is the one
-/// nearest to `centre`.  A part that moves no node by more than 1e-6 of the other is left out.
-std::string describeRigidMotion(const RigidMotion& motion);
+/// Directions are of unit length with a positive first component, but for the way of a translation where that is asked for; the point
+/// of the axis is the one nearest to `centre`.  A part that moves no node by more than 1e-6 of the other is left out.
+std::string describeRigidMotion(const RigidMotion& motion, MotionSense sense = MotionSense::Either);
 
 }  // namespace Haptos

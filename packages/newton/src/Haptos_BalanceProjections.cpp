@@ -28,6 +28,9 @@ Eigen::MatrixXd feltMotions(const Eigen::MatrixXd& H, const DualVectors& vectors
   return eigen.vectors.rightCols(gram.cols() - unfelt);
 }
 
+// 1 on contact values [3 pairs] of rows that may carry a force
+Eigen::VectorXd carriedValues(const std::vector<PairLaw>& pairs) { return carriedRows(Eigen::VectorXd::Ones(3 * Eigen::Index(pairs.size())), pairs); }
+
 }  // namespace
 
 Eigen::MatrixXd carriedRows(Eigen::MatrixXd values, const std::vector<PairLaw>& pairs) {
@@ -40,7 +43,7 @@ Eigen::MatrixXd carriedRows(Eigen::MatrixXd values, const std::vector<PairLaw>& 
 // EE = G_E G_E^T, singular in the motions that contact alone holds: there with holds.  Where G G^T was made with contact rows as
 // its changing part, it is G G^T without that part and shares the elimination.
 GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& vectors)
-    : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), coarseSize_(dual.GT->cols()) {
+    : dual_(dual), vectors_(vectors), isGluing_(markGluingRows(vectors)), carried_(carriedValues(dual.pairs)), coarseSize_(dual.GT->cols()) {
   if (dual.contactChangesGGT) EE_ = std::make_unique<CoarseProblem>(*dual.GGT, dual.holds);
   else EE_ = std::make_unique<CoarseProblem>(dual.GGT->placement(), *dual.GT, listOf(isGluing_), dual.holds);
   const Eigen::Index k = dual.motions.cols();
@@ -52,8 +55,10 @@ GluingBalance::GluingBalance(const ContactOperators& dual, const DualVectors& ve
   const Eigen::MatrixXd felt = feltMotions(H_, vectors);
   jumps_ *= felt;
   H_ *= felt;
-  load_ = felt.transpose() * (Zk_.transpose() * dual.e);
+  feltMotions_ = Zk_ * felt;
 }
+
+bool GluingBalance::isOf(const std::vector<PairLaw>& pairs) const { return vectors_.sum((carriedValues(pairs) - carried_).squaredNorm()) == 0; }
 
 Eigen::MatrixXd GluingBalance::contactRowsOf(const Eigen::MatrixXd& values) const {
   Eigen::MatrixXd contact(3 * vectors_.numPairs(), values.cols());

@@ -45,7 +45,9 @@ class GluingBalance {
   const Eigen::MatrixXd& jumps() const { return jumps_; }    ///< [rows x k] G^T Zk V
   /// \brief [3 pairs x those of Zk] contact jumps of all floating motions, also of those that are not felt.
   Eigen::MatrixXd contactMotions() const;
-  const Eigen::VectorXd& load() const { return load_; }      ///< [k] (Zk V)^T e
+  Eigen::VectorXd load() const { return feltMotions_.transpose() * dual_.e; }  ///< [k] (Zk V)^T e, of the present e
+  /// \brief Whether these pairs carry forces along the rows of those it was made with: H is of no other.  Collective.
+  bool isOf(const std::vector<PairLaw>& pairs) const;
   const CoarseProblem::Holds& holds() const { return dual_.holds; }
 
  private:
@@ -54,9 +56,9 @@ class GluingBalance {
   const ContactOperators& dual_;
   const DualVectors& vectors_;
   Eigen::VectorXd isGluing_;  // a mask instead of a second G^T
+  Eigen::VectorXd carried_;   // [3 pairs] rows that H has
   std::unique_ptr<CoarseProblem> EE_;
-  Eigen::MatrixXd Zk_, H_, jumps_;
-  Eigen::VectorXd load_;
+  Eigen::MatrixXd Zk_, feltMotions_, H_, jumps_;  // feltMotions_: Zk V
   Eigen::Index coarseSize_;
 };
 

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "Haptos_Reductions.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
@@ -135,10 +136,7 @@ Eigen::MatrixXd DualVectors::applyOnContactByColumns(const Operator& op, const E
 // A rank alone has the sum already.
 void DualVectors::sum(Eigen::Ref<Eigen::MatrixXd> values) const {
   if (map_->getComm()->getSize() == 1 || values.size() == 0) return;
-  const Eigen::MatrixXd mine = values;
-  Eigen::MatrixXd total(mine.rows(), mine.cols());
-  Teuchos::reduceAll(*map_->getComm(), Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), total.data());
-  values = total;
+  values = sumOfAll(*map_->getComm(), Eigen::MatrixXd(values));
 }
 
 double DualVectors::sum(double value) const {

@@ -196,7 +196,7 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
 
 // By the caller's test, or by the residual relative to the jumps of the start.
 double SubspaceNewtonIter::measureOf(const NewtonState& state, const NewtonLimits& limits) const {
-  const double relative = limits.reference > 0 ? norm_ / limits.reference : 0.0;
+  const double relative = limits.reference == 0 ? 0.0 : norm_ / limits.reference;  // NaN is no success
   if (limits.measure) return limits.measure(state.lambda, state.s, relative);
   return relative == 0 ? 0 : relative / limits.tolerance;
 }

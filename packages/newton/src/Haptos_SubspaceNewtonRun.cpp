@@ -221,6 +221,11 @@ void SubspaceNewtonRun::setJumps(const Vector& given) {
   isFresh_ = true;
 }
 
+bool SubspaceNewtonRun::goOn() {
+  isRenewed_ = isStarted_;
+  return balance_.isOf(dual_.pairs);
+}
+
 // A further call asks for more of the same answer: the jumps anew, no levels, longer patience.
 NewtonStop SubspaceNewtonRun::solve() {
   subspace_.setMaximum(options_.maximumPairs);

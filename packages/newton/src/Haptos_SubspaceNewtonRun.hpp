@@ -22,8 +22,9 @@ class SubspaceNewtonRun {
 
   /// \brief Jumps of the state, without F: the next `solve` needs none to renew them.  Collective.
   void setJumps(const Vector& s);
-  /// \brief Loads or laws have changed: the next `solve` keeps pairs and multipliers.
-  void goOn() { isRenewed_ = isStarted_; }
+  /// \brief Loads or laws have changed: the next `solve` keeps pairs and multipliers.  False where other rows carry forces than when it was made:
+  /// then another run is wanted.  Collective.
+  bool goOn();
 
   RCP<Vector> lambda() const { return vectors_.toVector(state_.lambda); }
   RCP<Vector> jumps() const { return vectors_.toVector(state_.s); }

@@ -92,11 +92,12 @@ void SubspaceNewtonSolMgr::startFrom(const Vector& lambda, const Vector& s) { ru
 
 void SubspaceNewtonSolMgr::setJumps(const Vector& s) { run().setJumps(s); }
 
-// The state is given back whatever the outcome: the caller may go on from it by another method.
+// Motions of floating bodies that friction now feels, or feels no more, are other unknowns: then from the present multipliers alone.
 void SubspaceNewtonSolMgr::goOn() {
-  if (run_) run_->goOn();
+  if (run_ && !run_->goOn()) run_.reset();
 }
 
+// The state is given back whatever the outcome: the caller may go on from it by another method.
 Belos::ReturnType SubspaceNewtonSolMgr::solve() {
   const NewtonStop stop = run().solve();
   outcome_ = stop == NewtonStop::Converged ? Outcome::Converged : stop == NewtonStop::Limit ? Outcome::MultiplicationLimit : Outcome::Stalled;

@@ -68,7 +68,7 @@ class SubspaceNewtonSolMgr final : public Belos::SolverManager<double, MultiVect
   void setJumps(const Vector& s);
 
   /// \brief The problem has other loads or laws (ContactProblem::setStep): the next solve() goes on from the present multipliers,
-  /// with all pairs, which depend on F and G alone.
+  /// with all pairs, which depend on F and G alone; without them where coefficients have become 0, or are no longer.  Collective.
   void goOn();
 
   /// \brief Converged or Unconverged; `outcome()` says why.  Collective.

@@ -224,7 +224,8 @@ std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& sp
     }
   interface.isMortar = true;
   const std::string exchange = reasonToExchange(mesh, spec, around, secondary, primary);
-  if (!exchange.empty()) std::swap(secondary, primary);
+  interface.isExchanged = !exchange.empty();
+  if (interface.isExchanged) std::swap(secondary, primary);
   auto drafts = draftMortar(mesh, spec, exchange.empty() ? spec.secondarySideSet : spec.primarySideSet, primary);
   interface.remarks.push_back("'" + spec.name + "' is joined by mortar (" + reason + ")" +
                               (exchange.empty() ? "" : "; its sides are exchanged: '" + secondary.name + "', " + exchange +

@@ -125,12 +125,12 @@ std::vector<PairResult> gatherContactResults(const MultiplierMap& multipliers, c
 }
 
 // Sums of vectors, as curved surfaces have: the normal force alone is a sum of sizes.
-std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, std::size_t numInterfaces) {
-  std::vector<InterfaceResult> result(numInterfaces);
+std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, const std::vector<char>& isExchanged) {
+  std::vector<InterfaceResult> result(isExchanged.size());
   for (const auto& pair : pairs) {
     InterfaceResult& sum = result[pair.interface];
     sum.normalForce += pair.normalForce;
-    for (int d = 0; d < 3; ++d) sum.tangentialForce[d] += pair.tangentialForce[d];
+    for (int d = 0; d < 3; ++d) sum.tangentialForce[d] += isExchanged[std::size_t(pair.interface)] ? -pair.tangentialForce[d] : pair.tangentialForce[d];
     sum.maxPressure = std::max(sum.maxPressure, pair.pressure);
     ++(pair.status == ContactStatus::Stick ? sum.stick : pair.status == ContactStatus::Slip ? sum.slip : sum.open);
   }

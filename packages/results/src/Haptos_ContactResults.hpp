@@ -65,10 +65,11 @@ std::vector<LargeSliding> findLargeSliding(const std::vector<PairResult>& pairs,
 /// \brief Sums over one interface.
 struct InterfaceResult {
   double normalForce = 0;
-  std::array<double, 3> tangentialForce{0, 0, 0};  ///< on the secondary surface
+  std::array<double, 3> tangentialForce{0, 0, 0};  ///< on what the user calls the secondary surface
   long stick = 0, slip = 0, open = 0;
   double maxPressure = 0;
 };
-std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, std::size_t numInterfaces);
+/// \param isExchanged [interfaces], see `ContactInterface`
+std::vector<InterfaceResult> summarizeInterfaces(const std::vector<PairResult>& pairs, const std::vector<char>& isExchanged);
 
 }  // namespace Haptos

@@ -232,16 +232,12 @@ std::string summaryJson(const RunReport& report) {
 // Under another name first: nobody reads half a summary, and a failure leaves the old one.
 void writeTextFile(const std::string& path, const std::string& text) {
   const std::string temporary = path + ".part";
-  {
-    std::ofstream out(temporary);
-    out << text;
-    out.close();
-    if (!out) {
-      std::remove(temporary.c_str());
-      throw std::runtime_error("cannot write '" + path + "'");
-    }
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) throw std::runtime_error("cannot write '" + path + "'");
+  std::ofstream out(temporary);
+  out << text;
+  out.close();
+  if (out && std::rename(temporary.c_str(), path.c_str()) == 0) return;
+  std::remove(temporary.c_str());
+  throw std::runtime_error("cannot write '" + path + "'");
 }
 
 }  // namespace Haptos

@@ -3,8 +3,11 @@
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <cstdlib>
+#include <filesystem>
 
 #include "../../feti/tests/FetiScene.hpp"
+#include "Haptos_RunReport.hpp"
 
 namespace {
 
@@ -170,4 +173,16 @@ TEUCHOS_UNIT_TEST(ResultFields, ListsShareForceAndPressure) {
   check("contact_normal_force", {4, 13.5, 6, 10, 0, -1.5});  // a multiplier on its own node, as the pressure; 16 on either side
   check("contact_pressure", {5, 13.5 / 4.95, 2, 5, 5, 2});
   check("contact_slip_x", {1, 2, 2, 1, 1, 2});
+}
+
+// A folder bears the name: it stays, and nothing lies beside it.
+TEUCHOS_UNIT_TEST(RunReport, TextThatCannotBeWrittenLeavesNothing) {
+  std::string name = (std::filesystem::temp_directory_path() / "haptos_report_XXXXXX").string();  // every rank has its own
+  TEST_ASSERT(mkdtemp(name.data()) != nullptr);
+  const std::filesystem::path summary = std::filesystem::path(name) / "summary.json";
+  std::filesystem::create_directory(summary);
+  TEST_THROW(writeTextFile(summary.string(), "text"), std::runtime_error);
+  TEST_ASSERT(std::filesystem::is_directory(summary));
+  TEST_ASSERT(!std::filesystem::exists(summary.string() + ".part"));
+  std::filesystem::remove_all(name);
 }

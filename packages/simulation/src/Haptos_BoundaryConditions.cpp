@@ -10,6 +10,7 @@
 #include "Haptos_ModelBuilder.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Partition.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace Haptos {
 namespace {
@@ -34,6 +35,8 @@ struct NamedSet {
 struct Displacements {
   std::vector<const ConditionOptions*> conditions;
   std::vector<NamedSet> sets;  // by turn
+
+  std::size_t conditionOf(const Given& given) const { return std::size_t(sets[std::size_t(given.turn)].condition); }
 };
 
 NamedSet findNamedSet(const MeshShare& mesh, const std::string& name, const std::string& path) {
@@ -88,6 +91,17 @@ std::vector<std::vector<Given>> evaluate(const Displacements& displacements, con
   return toOwner;
 }
 
+// [conditions] the largest magnitude that each prescribes, over all nodes of all ranks.  Collective.
+std::vector<double> largestValues(const Communicator& comm, const Displacements& displacements, const std::vector<std::vector<Given>>& evaluated) {
+  std::vector<double> largest(displacements.conditions.size(), 0.0);
+  for (const auto& list : evaluated)
+    for (const Given& given : list) {
+      double& most = largest[displacements.conditionOf(given)];
+      most = std::max(most, std::abs(given.value));
+    }
+  return largestOfAll(comm, largest);
+}
+
 /// Two values at one place.
 struct Conflict {
   Given first, other;
@@ -96,16 +110,17 @@ struct Conflict {
   }
 };
 
-// The first value of every node and component; others must be the same.
-std::vector<PrescribedDisplacement> firstValues(std::vector<Given> given, std::vector<Conflict>& conflicts) {
+// The first value of every node and component; others must be the same, but for the round-off of `largest`, [conditions].
+std::vector<PrescribedDisplacement> firstValues(std::vector<Given> given, const Displacements& displacements, const std::vector<double>& largest,
+                                                std::vector<Conflict>& conflicts) {
   std::sort(given.begin(), given.end());
   std::vector<PrescribedDisplacement> result;
   for (std::size_t i = 0, first = 0; i < given.size(); ++i) {
     if (given[i].node != given[first].node || given[i].component != given[first].component) first = i;
     if (i == first) result.push_back({given[i].node, given[i].component, given[i].value});
-    const double before = given[first].value, now = given[i].value;
-    // Expressions of two conditions may differ by round-off where they mean the same.
-    if (std::abs(before - now) > 1e-12 * std::max(std::abs(before), std::abs(now))) conflicts.push_back({given[first], given[i]});
+    // Expressions of two conditions may differ by round-off where they mean the same: of what they are elsewhere, as it may be 0 here.
+    const double scale = std::max(largest[displacements.conditionOf(given[first])], largest[displacements.conditionOf(given[i])]);
+    if (std::abs(given[first].value - given[i].value) > 1e-12 * scale) conflicts.push_back({given[first], given[i]});
   }
   if (!conflicts.empty()) conflicts = {*std::min_element(conflicts.begin(), conflicts.end())};
   return result;
@@ -129,15 +144,14 @@ std::vector<PrescribedDisplacement> collectDisplacements(const Communicator& com
     displacements = findDisplacements(conditions, mesh);
     toOwner = evaluate(displacements, mesh, own);
   });
+  const std::vector<double> largest = largestValues(comm, displacements, toOwner);
   std::vector<Conflict> conflicts;
-  auto result = firstValues(joined(exchangeValues(comm, toOwner)), conflicts);
+  auto result = firstValues(joined(exchangeValues(comm, toOwner)), displacements, largest, conflicts);
   // Each rank tells its first one, and all ranks refuse with the same, whoever found it.
   conflicts = gatheredOnAll(comm, conflicts);
   if (conflicts.empty()) return result;
   const auto [first, other] = *std::min_element(conflicts.begin(), conflicts.end());
-  const auto pathOf = [&](const Given& given) {
-    return displacements.conditions[std::size_t(displacements.sets[std::size_t(given.turn)].condition)]->path;
-  };
+  const auto pathOf = [&](const Given& given) { return displacements.conditions[displacements.conditionOf(given)]->path; };
   throw InputError(pathOf(other) + "->Value: prescribes " + char('x' + other.component) + "-displacement " + numberText(other.value) + " at " +
                    describeNode(comm, mesh, other.node) + ", where " + pathOf(first) + " prescribes " + numberText(first.value) +
                    "; give one value only");

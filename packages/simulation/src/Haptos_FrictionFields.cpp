@@ -100,10 +100,16 @@ std::vector<std::string> namedFields(const std::vector<ContactOptions>& contacts
 }
 
 void requireNodalFields(const ContactOptions& contact, const Mesh& mesh) {
-  for (const auto& [parameter, name] : fieldsOf(contact.friction))
-    if (findNodalField(mesh, name) < 0)
-      throw InputError(contact.path + "->Friction->" + parameter + ": the mesh has no nodal field '" + name +
-                       "'; its nodal fields are: " + listNodalFields(mesh) + (parameter == "Coefficients" ? " (expressions know x, y, z)" : ""));
+  for (const auto& [parameter, name] : fieldsOf(contact.friction)) {
+    const std::string path = contact.path + "->Friction->" + parameter + ": ";
+    const int field = findNodalField(mesh, name);
+    if (field < 0)
+      throw InputError(path + "the mesh has no nodal field '" + name + "'; its nodal fields are: " + listNodalFields(mesh) +
+                       (parameter == "Coefficients" ? " (expressions know x, y, z)" : ""));
+    // A share without nodes has none of the values either.
+    if (mesh.nodalFields[std::size_t(field)].values.empty() && mesh.numNodes() > 0)
+      throw InputError(path + "the mesh's nodal field '" + name + "' has no values; give one for each node");
+  }
 }
 
 std::array<double, 2> largestCoefficients(const ContactInterface& interface) {

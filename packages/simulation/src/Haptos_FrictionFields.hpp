@@ -39,7 +39,9 @@ class FrictionFields {
 
 std::vector<std::string> namedFields(const std::vector<ContactOptions>& contacts);  ///< nodal fields that they need
 
-/// \brief Checks that the mesh has the nodal fields of a contact.  \throws InputError naming the parameter and the fields there are
+/// \brief Checks that the mesh has the nodal fields of a contact, and their values.
+///
+/// \param mesh whole, or a rank's share  \throws InputError naming the parameter and the field that has none, or the fields there are
 void requireNodalFields(const ContactOptions& contact, const Mesh& mesh);
 
 /// \brief F1 and F2, each the largest of pairs that have their own.

@@ -41,7 +41,7 @@ struct ModelData {
   std::vector<std::string> remarks;          ///< full sentences for the report
   std::size_t unpairedNodes = 0;
   long tiedPairs = 0;
-  std::vector<char> isMortar;                ///< [interfaces]
+  std::vector<char> isMortar, isExchanged;   ///< [interfaces], see `ContactInterface`
   std::vector<InitialOverlap> overlaps;      ///< [interfaces]
   bool metis = false;
   int mendedFragments = 0;
@@ -97,7 +97,8 @@ std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshS
 void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data);
 
 /// \brief Prescribed values of all Displacement conditions at the nodes of this rank's range, sorted by node and component.  Collective.
-/// \throws InputError on all ranks for a missing set, or for two conditions that differ at a node, naming both.
+/// \throws InputError on all ranks for a missing set, or for two conditions that differ at a node, naming both;
+/// round-off of the largest values of either is no difference.
 std::vector<PrescribedDisplacement> collectDisplacements(const Communicator& comm, const std::vector<ConditionOptions>& conditions,
                                                          const MeshShare& mesh, const OwnElements& own);
 

@@ -307,7 +307,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   result.displacement = gather.copies(*step.u).mean;
   setSlip(gather, result.displacement, result.pairs);
   warnOfLargeSliding(result.pairs);
-  report_.interfaces = summarizeInterfaces(result.pairs, report_.interfaceNames.size());
+  report_.interfaces = summarizeInterfaces(result.pairs, model_->data.isExchanged);
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, feti.jump().primalOffsets(), *step.u,
                                          model_->mesh.elements);
   result.report = report_;

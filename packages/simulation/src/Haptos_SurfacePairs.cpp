@@ -71,16 +71,16 @@ void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& i
   struct Told {
     std::size_t unpairedNodes;
     long tiedPairs;
-    bool isMortar;
+    bool isMortar, isExchanged;
     std::array<double, 2> coefficients;  // largest, of pairs that have their own
     InitialOverlap overlap;
     std::vector<std::string> notes, remarks;
 
-    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, coefficients, overlap, notes, remarks); }  // see ByteWriter
+    auto parts() { return std::tie(unpairedNodes, tiedPairs, isMortar, isExchanged, coefficients, overlap, notes, remarks); }  // see ByteWriter
   };
   std::vector<Told> mine;
   for (const auto& interface : interfaces)
-    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, largestCoefficients(interface),
+    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, interface.isExchanged, largestCoefficients(interface),
                     interface.overlap, interface.notes, interface.remarks});
   std::size_t k = 0;
   for (const Told& told : gatheredOnAll(comm, mine)) {
@@ -92,6 +92,7 @@ void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& i
     data.unpairedNodes += told.unpairedNodes;
     data.tiedPairs += told.tiedPairs;
     data.isMortar.push_back(told.isMortar);
+    data.isExchanged.push_back(told.isExchanged);
     data.overlaps.push_back(told.overlap);
     data.notes.insert(data.notes.end(), told.notes.begin(), told.notes.end());
     data.remarks.insert(data.remarks.end(), told.remarks.begin(), told.remarks.end());

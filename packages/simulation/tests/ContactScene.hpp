@@ -139,6 +139,7 @@ struct Filled {
   std::vector<std::size_t> secondaries;  // their nodes
   ContactSystem system;
   FrictionSpec friction{FrictionLaw::Coulomb, {0.3, 0.15}, 0, false};
+  bool isUpperHeld = true;
 
   explicit Filled(Mesh m = blocks(), const RCP<const Communicator>& comm = Tpetra::getDefaultComm())
       : mesh(std::move(m)), system(comm, parameters()), comm_(comm) {}
@@ -174,22 +175,25 @@ struct Filled {
   void addRest(double gap = 0, double smallestX = -1) {
     if (system.addInterface("interface", friction) != 0) throw std::logic_error("first interface");
     for (std::size_t node = 0; node < mesh.numNodes(); ++node)
-      if (mesh.coordinates[node][0] < 1e-9 && int(node) % comm_->getSize() == comm_->getRank())
+      if (mesh.coordinates[node][0] < 1e-9 && (isUpperHeld || node < mesh.numNodes() / 2) && int(node) % comm_->getSize() == comm_->getRank())
         for (int d = 0; d < 3; ++d) system.prescribe(idOf(std::int64_t(node)), d, 0.0);
     addPairs(gap, smallestX);
   }
   void addPairs(double gap = 0, double smallestX = -1) {
     pairs.clear();
     secondaries.clear();
+    addPairs(0, gap, smallestX, 3);
+  }
+  void addPairs(int interface, double gap, double smallestX, double largestX) {
     const std::size_t half = mesh.numNodes() / 2;  // the blocks' nodes are numbered alike
     const double top = 0;
     for (std::size_t upper = half; upper < mesh.numNodes(); ++upper) {
       const Point& x = mesh.coordinates[upper];
-      if (std::abs(x[2] - top) > 1e-9 || x[0] < 1e-9 || x[0] < smallestX || int(upper) % comm_->getSize() != comm_->getRank()) continue;
+      if (std::abs(x[2] - top) > 1e-9 || (isUpperHeld && x[0] < 1e-9) || x[0] < smallestX || x[0] > largestX || int(upper) % comm_->getSize() != comm_->getRank()) continue;
       for (std::size_t lower = 0; lower < half; ++lower)
         if (std::abs(mesh.coordinates[lower][2]) < 1e-9 && std::hypot(mesh.coordinates[lower][0] - x[0], mesh.coordinates[lower][1] - x[1]) < 1e-9) {
           secondaries.push_back(upper);
-          pairs.push_back(system.addPair({0, idOf(std::int64_t(upper)), {{idOf(std::int64_t(lower)), 1.0}}, {0, 0, -1}, {1, 0, 0}, gap, areaAt(x)}));
+          pairs.push_back(system.addPair({interface, idOf(std::int64_t(upper)), {{idOf(std::int64_t(lower)), 1.0}}, {0, 0, -1}, {1, 0, 0}, gap, areaAt(x)}));
         }
     }
   }

@@ -7,6 +7,23 @@
 using namespace Haptos;
 using namespace Haptos::Testing;
 
+namespace {
+
+// The last row has an entry in a column more than there are rows.
+RCP<CrsMatrix> withColumnOutside(const Eigen::SparseMatrix<double>& K) {
+  const auto rows = crsOf(K)->getRowMap();
+  const auto domain = Teuchos::rcp(new Map(Tpetra::global_size_t(K.cols() + 1), 0, rows->getComm()));
+  const auto result = Teuchos::rcp(new CrsMatrix(rows, 82));
+  for (int column = 0; column < K.cols(); ++column)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(K, column); it; ++it)
+      result->insertGlobalValues(GlobalOrdinal(column), Teuchos::tuple<GlobalOrdinal>(it.row()), Teuchos::tuple(it.value()));
+  result->insertGlobalValues(GlobalOrdinal(K.rows() - 1), Teuchos::tuple<GlobalOrdinal>(K.cols()), Teuchos::tuple(1.0));
+  result->fillComplete(domain, rows);
+  return result;
+}
+
+}  // namespace
+
 TEUCHOS_UNIT_TEST(ContactSystem, MatricesElementsAndParametersAgree) {
   const auto matrices = makeSystem();
   const Eigen::VectorXd u = matrices->solve();
@@ -130,6 +147,91 @@ TEUCHOS_UNIT_TEST(ContactSystem, TwoSystemsLiveAtOnce) {
   TEST_ASSERT(difference(second, b->solve()) < 1e-8);
 }
 
+// With its own coefficients, as if it had been there from the start.
+TEUCHOS_UNIT_TEST(ContactSystem, InterfacesMayComeLater) {
+  const FrictionSpec slippery{FrictionLaw::Coulomb, {0.05, 0.02}, 0, false};
+  const auto addSecond = [&](Filled& filled) {
+    const int second = filled.system.addInterface("second", slippery);
+    TEST_EQUALITY(second, 1);
+    filled.addPairs(second, 0, -1, 1.2);
+  };
+  const auto filled = makeSystem(0, 1.2), other = makeSystem(0, 1.2), alike = makeSystem();
+  const Eigen::VectorXd before = filled->solve();
+  addSecond(*filled);
+  TEST_ASSERT(contains(refusal([&] { filled->system.contactForces(); }), "solve first"));
+  const Eigen::VectorXd after = filled->solve();
+  addSecond(*other);
+  TEST_ASSERT(difference(after, other->solve()) < 1e-7);
+  TEST_ASSERT(filled->outcome.solved && difference(after, before) > 1e-4 && difference(after, alike->solve()) > 1e-4);
+  TEST_EQUALITY(filled->system.contactForces().size(), filled->pairs.size());
+}
+
+TEUCHOS_UNIT_TEST(ContactSystem, FrictionIsLookedAtWhereverItChanges) {
+  const auto comm = Tpetra::getDefaultComm();
+  const auto filled = makeSystem();
+  const Eigen::VectorXd u = filled->solve();
+  const auto refusalOf = [&](std::array<double, 2> coefficients, bool isEverywhere) {
+    FrictionSpec friction = filled->friction;
+    if (isEverywhere || comm->getRank() == 0) friction.coefficients = coefficients;
+    filled->system.setFriction(0, friction);
+    return refusal([&] { filled->system.setUp(); });
+  };
+  TEST_ASSERT(contains(refusalOf({-0.3, 0.3}, true), "'interface' has the coefficient of friction -0.3"));
+  TEST_ASSERT(contains(refusalOf({0.3, std::nan("")}, true), "'interface' has the coefficient of friction"));
+  if (comm->getSize() > 1) TEST_ASSERT(contains(refusalOf({0.2, 0.1}, false), "differ from rank to rank"));
+  filled->system.setFriction(0, filled->friction);
+  TEST_ASSERT(difference(u, filled->solve()) < 1e-7);
+}
+
+// A body that contact alone holds may slide where a coefficient is 0; once it is not, that motion is one of the unknowns.
+TEUCHOS_UNIT_TEST(ContactSystem, FrictionMayBeginToHoldABody) {
+  const auto push = [](const Point& x) { return x[2] < 1 - 1e-9 ? Point{0, 0, 0} : Point{0.004, 0, -0.06}; };
+  const auto press = [](const Point& x) { return x[2] < 1 - 1e-9 ? Point{0, 0, 0} : Point{0, 0.002, -0.06}; };
+  const auto make = [](std::array<double, 2> coefficients) {
+    auto filled = std::make_unique<Filled>();
+    filled->isUpperHeld = false;
+    filled->friction.coefficients = coefficients;
+    filled->addMatrices();
+    filled->addRest();
+    return filled;
+  };
+  const auto filled = make({0, 0.3});
+  filled->solve(press);
+  TEST_ASSERT(filled->outcome.solved);
+  TEST_ASSERT(contains(refusal([&] { filled->solve(push); }), "cannot carry the loads"));
+  FrictionSpec rough = filled->friction;
+  rough.coefficients = {0.3, 0.3};
+  filled->system.setFriction(0, rough);
+  const Eigen::VectorXd held = filled->solve(push);
+  TEST_EQUALITY(filled->outcome.method, std::string("Subspace Newton"));
+  TEST_ASSERT(filled->outcome.solved && difference(held, make({0.3, 0.3})->solve(push)) < 1e-6);
+}
+
+// What is left of multipliers then is round-off, and no start.
+TEUCHOS_UNIT_TEST(ContactSystem, NothingMovesWithoutLoads) {
+  for (const double gap : {0.0, 1e-3}) {
+    const auto filled = makeSystem(gap);
+    const Eigen::VectorXd u = filled->solve();
+    TEST_EQUALITY(filled->solve(0).lpNorm<Eigen::Infinity>(), 0.0);
+    TEST_ASSERT(filled->outcome.solved && filled->outcome.multiplications <= 2);
+    for (const auto& force : filled->system.contactForces()) TEST_EQUALITY(std::hypot(force[0], force[1], force[2]), 0.0);
+    TEST_ASSERT(difference(u, filled->solve()) < 1e-7);
+  }
+}
+
+TEUCHOS_UNIT_TEST(ContactSystem, ForcesAreThoseOfSolvedPairs) {
+  const auto filled = makeSystem();
+  const auto text = [&] { return refusal([&] { filled->system.contactForces(); }); };
+  TEST_ASSERT(contains(text(), "solve first"));
+  filled->solve();
+  TEST_EQUALITY(text(), std::string());
+  filled->system.clearPairs();
+  TEST_ASSERT(contains(text(), "solve first"));
+  filled->system.addPair({0, 999999, {}, {0, 0, -1}, {1, 0, 0}});
+  TEST_ASSERT(contains(refusal([&] { filled->system.setUp(); }), "999999"));
+  TEST_ASSERT(contains(text(), "solve first"));
+}
+
 TEUCHOS_UNIT_TEST(ContactSystem, RefusesWhatItCannotTake) {
   const int rank = Tpetra::getDefaultComm()->getRank();
   const auto refusedWith = [&](auto&& fill) {
@@ -152,6 +254,23 @@ TEUCHOS_UNIT_TEST(ContactSystem, RefusesWhatItCannotTake) {
   TEST_ASSERT(contains(text([](auto& K) { K.coeffRef(0, 1) += 1; }), "not symmetric"));
   TEST_ASSERT(contains(text([](auto& K) { K.conservativeResize(K.rows() - 3, K.cols() - 3); }), "rows"));
   TEST_ASSERT(contains(text([](auto& K) { K.coeffRef(4, 4) = std::nan(""); }), "not finite"));
+  TEST_ASSERT(contains(text([](auto& K) { K = Eigen::SparseMatrix<double>(K.rows(), K.cols()); }), "no entries"));
+  TEST_ASSERT(contains(refusedWith([&](Filled& filled) {
+                         filled.addMatrices();
+                         Piece piece = filled.pieces[0];
+                         piece.body = 1;
+                         if (rank == 0) filled.addPiece(piece, crsOf(stiffnessOf(piece)));
+                         filled.addRest();
+                       }),
+                       "is in bodies 0 and 1"));
+  TEST_ASSERT(contains(refusedWith([&](Filled& filled) { filled.addPiece(filled.pieces[0], withColumnOutside(stiffnessOf(filled.pieces[0]))); }),
+                       "none of its rows"));
+  TEST_ASSERT(contains(refusedWith([&](Filled& filled) {
+                         const std::vector<GlobalOrdinal> ids = {5};
+                         const std::vector<double> x = {0, std::nan(""), 0};
+                         filled.system.addNodes(Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x));
+                       }),
+                       "Node 5 has a coordinate that is not finite"));
 
   const auto other = [&](auto&& change) {
     const auto filled = makeSystem();
@@ -161,6 +280,7 @@ TEUCHOS_UNIT_TEST(ContactSystem, RefusesWhatItCannotTake) {
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.addPair({0, 999999, {}, {0, 0, -1}, {1, 0, 0}}); }), "999999"));
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.addPair({3, idOf(20), {}, {0, 0, -1}, {1, 0, 0}}); }), "interface 3"));
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.addPair({0, idOf(20), {{idOf(1), 0.5}}, {0, 0, -1}, {1, 0, 0}}); }), "add up"));
+  TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.addPair({0, idOf(20), {}, {0, 0, 0}, {1, 0, 0}}); }), "node 143: "));
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.prescribe(5, 0, 0.0); }), "no subdomain"));
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.prescribe(idOf(20), 7, 0.0); }), "Component 7"));
   TEST_ASSERT(contains(other([&](ContactSystem& s) { if (rank == 0) s.setGap(1000, 0.0); }), "pair 1000"));
@@ -168,6 +288,7 @@ TEUCHOS_UNIT_TEST(ContactSystem, RefusesWhatItCannotTake) {
   const auto list = parameters();
   list->sublist("Solver").set("Relative Tolerence", 1e-3);
   TEST_ASSERT(contains(refusal([&] { ContactSystem wrong(Tpetra::getDefaultComm(), list); }), "Relative Tolerance"));
+  TEST_ASSERT(contains(refusal([&] { ContactSystem wrong(Teuchos::null); }), "communicator"));
 }
 
 TEUCHOS_UNIT_TEST(ContactSystem, GoesOnAfterAnError) {

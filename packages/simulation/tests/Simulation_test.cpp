@@ -158,6 +158,26 @@ TEUCHOS_UNIT_TEST(Simulation, ContradictingDisplacementsAreRefused) {
   TEST_NOTHROW(same.simulation->prepare());
 }
 
+// Where one is 0 and the other nearly so, round-off is that of what the other is elsewhere, in any units.
+TEUCHOS_UNIT_TEST(Simulation, DisplacementsMayDifferByRoundOff) {
+  SourceMesh straight = bar();
+  for (auto& x : straight.mesh.coordinates)
+    if (x[0] < 0.1) x[0] = 0;
+  for (const std::string unit : {"1e-2", "1e-12"}) {
+    ParameterList list = barParameters();
+    list.sublist("Boundary Conditions").sublist("clamp").set("Value", numbers({0.0, 0.0, 0.0}));
+    auto& other = list.sublist("Boundary Conditions").sublist("other");
+    other.set<std::string>("Type", "Displacement");
+    other.set("Sets", names({"top"}));  // shares the edge x = 0, z = 1 with "left"
+    other.set<std::string>("Components", "z");
+    const std::string value = unit + "*sin(3.14159265358979*(1 - x))";  // 3e-15 of the unit at the edge
+    other.set("Value", names({"0", "0", value}));
+    TEST_EQUALITY(refusalOfRun(list, straight), "(nothing thrown)");
+    other.set("Value", names({"0", "0", value + " + 1e-10*" + unit}));
+    TEST_ASSERT(contains(refusalOfRun(list, straight), "Boundary Conditions->other->Value"));
+  }
+}
+
 TEUCHOS_UNIT_TEST(Simulation, SetsAndBlocksByNumber) {
   const SourceMesh source = bar();
   const auto number = [&](const std::string& name) { return std::to_string(source.mesh.sideSets[findSideSet(source.mesh, name)].id); };
@@ -184,6 +204,26 @@ TEUCHOS_UNIT_TEST(Simulation, MissingNamesAreListed) {
   list.sublist("Materials").sublist("steel").set("Element Blocks", names({"beam"}));
   const std::string block = refusalOfRun(list);
   TEST_ASSERT(contains(block, "'beam'") && contains(block, "bar (7)"));
+}
+
+// A mesh in memory may bring the name of a field alone.
+TEUCHOS_UNIT_TEST(Simulation, FrictionFieldsWithoutValuesAreRefused) {
+  SourceMesh source = bar();
+  source.mesh.nodalFields = {{"AXIS", std::vector<double>(source.mesh.numNodes(), 1.0)}, {"EMPTY", {}}};
+  ParameterList list = barParameters();
+  auto& wall = list.sublist("Contact").sublist("wall");
+  wall.set<std::string>("Secondary Side Set", "right");
+  wall.sublist("Rigid Plane").set("Point", numbers({3.1, 0.0, 0.0})).set("Normal", numbers({-1.0, 0.0, 0.0}));
+  auto& friction = wall.sublist("Friction");
+  friction.set<std::string>("Law", "Coulomb");
+  friction.set("Coefficients", names({"EMPTY", "0.2"}));
+  const std::string coefficient = refusalOfRun(list, source);
+  out << coefficient << "\n";
+  TEST_ASSERT(contains(coefficient, "Contact->wall->Friction->Coefficients") && contains(coefficient, "'EMPTY' has no values"));
+  friction.set("Coefficients", numbers({0.3, 0.2}));
+  friction.set("Principal Field", names({"AXIS", "EMPTY", "AXIS"}));
+  const std::string axis = refusalOfRun(list, source);
+  TEST_ASSERT(contains(axis, "Contact->wall->Friction->Principal Field") && contains(axis, "'EMPTY' has no values"));
 }
 
 TEUCHOS_UNIT_TEST(Simulation, UnheldBodyIsNamed) {

@@ -33,6 +33,26 @@ std::vector<GlobalOrdinal> unknownsOf(const std::vector<SubdomainInput>& subdoma
   return unknowns;
 }
 
+// What products rely on: the rest is looked at where a system takes the subdomains.
+std::string problemOf(const SubdomainInput& sub) {
+  const auto n = std::size_t(3 * sub.nodes.size());
+  const std::string who = "A subdomain of body " + std::to_string(sub.body);
+  if (sub.K.is_null() || !sub.K->isFillComplete()) return who + " has no matrix, or one without fillComplete().";
+  if (localNumRows(*sub.K) != n || std::size_t(sub.coordinates.size()) != n)
+    return who + " has " + std::to_string(sub.nodes.size()) + " nodes, " + std::to_string(localNumRows(*sub.K)) + " rows and " +
+           std::to_string(sub.coordinates.size()) + " coordinates; rows and coordinates must be three a node.";
+  for (LocalOrdinal j = 0; j < LocalOrdinal(localNumElements(*sub.K->getColMap())); ++j)
+    if (!sub.K->getRowMap()->isNodeGlobalElement(sub.K->getColMap()->getGlobalElement(j))) return who + " has a matrix with columns that are none of its rows.";
+  return "";
+}
+
+// The first of this rank's.
+std::string problemOf(const std::vector<SubdomainInput>& subdomains) {
+  for (const auto& sub : subdomains)
+    if (const std::string problem = problemOf(sub); !problem.empty()) return problem;
+  return "";
+}
+
 std::string nameOf(GlobalOrdinal unknown) {
   return "Component " + std::to_string(unknown % kComponents) + " of node " + std::to_string(unknown / kComponents);
 }
@@ -54,6 +74,7 @@ RCP<const Map> mapOf(const RCP<const Communicator>& comm, const std::vector<Glob
 
 SubdomainMatrix::SubdomainMatrix(const RCP<const Communicator>& comm, const std::vector<SubdomainInput>& subdomains,
                                  const std::vector<GlobalOrdinal>& held, const RCP<const Map>& map) {
+  throwOnAllRanks(*comm, problemOf(subdomains));
   const auto unknowns = unknownsOf(subdomains);
   const auto here = mapOf(comm, unknowns);
   // Without a map of the caller's each unknown goes to one of the ranks that have it.

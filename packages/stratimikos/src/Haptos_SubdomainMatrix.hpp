@@ -20,7 +20,7 @@ class SubdomainMatrix final : public Operator {
   /// \param subdomains of this rank; ids, coordinates and kernels are copied, matrices shared.
   /// \param held unknowns 3 x id + component, named by any ranks, also more than once
   /// \param map one to one, has all unknowns; null: each unknown on one of the ranks that have it.  Collective.
-  /// \throws InputError on all ranks for a held unknown that is in no subdomain, or a map that lacks one
+  /// \throws InputError on all ranks for a matrix that is missing or not of its nodes' unknowns, a held unknown that is in no subdomain, or a map that lacks one
   SubdomainMatrix(const RCP<const Communicator>& comm, const std::vector<SubdomainInput>& subdomains, const std::vector<GlobalOrdinal>& held,
                   const RCP<const Map>& map = {});
 

@@ -79,6 +79,7 @@ struct ContactSystem::Impl {
   Changes changes;
   std::unique_ptr<StepSolver> solver;
   RCP<const Vector> c, lambda;
+  bool arePairsSolved = false;  // `lambda` is of the pairs of this rank as they are
   long rows = 0;
 
   void refuse(const std::string& text) {
@@ -104,13 +105,14 @@ struct ContactSystem::Impl {
     takeRows(solver->system().model().multipliers);
   }
 
-  // A system that was half renewed when something went wrong is made anew by the next call.
+  // A system that was half renewed when something went wrong is made anew by the next call, and has no forces until then.
   template <class Work>
   void renew(Work&& work) {
     try {
       work();
     } catch (...) {
       solver.reset();
+      lambda = Teuchos::null;
       throw;
     }
   }
@@ -119,21 +121,23 @@ struct ContactSystem::Impl {
   void update(const Changes& what) {
     if (what.stiffness) input->readStiffness();
     const bool other = what.stiffness || what.rows;
+    if (what.laws) {
+      input->checkInterfaces();
+      solver->setFriction(input->names(), input->friction());
+    }
     if (other || what.values) {
       const auto rowsOfToday = input->makeRows();
-      if (what.laws) solver->setFriction(input->friction());
       if (what.stiffness) renew([&] { solver->renewStiffness(input->stiffness(), rowsOfToday); });
       else if (what.rows) renew([&] { solver->renewRows(rowsOfToday); });
       rows += other;
       takeRows(rowsOfToday);
-    } else if (what.laws) {
-      solver->setFriction(input->friction());
     }
   }
 };
 
 ContactSystem::ContactSystem(const RCP<const Communicator>& comm, const RCP<const ParameterList>& parameters) : impl_(std::make_unique<Impl>()) {
   // Messages of this system never meet those of the application or of another system.
+  if (comm.is_null()) throw InputError("A system needs a communicator; the one that was given is null.");
   impl_->comm = comm->duplicate();
   impl_->input = std::make_unique<SystemInput>(impl_->comm);
   if (parameters.is_null()) return;
@@ -150,41 +154,50 @@ ContactSystem::~ContactSystem() = default;
 
 int ContactSystem::addInterface(std::string name, const FrictionSpec& friction) {
   impl_->input->interfaces.push_back({std::move(name), friction});
-  impl_->changes.rows = true;
+  impl_->changes.rows = impl_->changes.laws = true;  // the laws of all come with its name, before its rows
+  impl_->arePairsSolved = false;
   return int(impl_->input->interfaces.size()) - 1;
 }
 
 // Views may be gone after the call, so all but the matrix is copied here, and what can be seen here is looked at.
-void ContactSystem::addSubdomain(const SubdomainInput& subdomain) {
+bool ContactSystem::addSubdomain(const SubdomainInput& subdomain) {
+  const auto refuse = [&](const std::string& text) {
+    impl_->refuse(text);
+    return false;
+  };
   SystemInput::Subdomain sub{subdomain.body, {}, {}};
   sub.ids.assign(subdomain.nodes.begin(), subdomain.nodes.end());
   const std::string who = "A subdomain of body " + std::to_string(subdomain.body);
   const auto rows = 3 * subdomain.nodes.size();
-  if (impl_->solver) return impl_->refuse(who + " is added after setUp; other subdomains are another system.");
-  if (subdomain.body < 0) return impl_->refuse(who + " is given; bodies are numbered from 0.");
+  if (impl_->solver) return refuse(who + " is added after setUp; other subdomains are another system.");
+  if (subdomain.body < 0) return refuse(who + " is given; bodies are numbered from 0.");
   if (subdomain.coordinates.size() != rows)
-    return impl_->refuse(who + " has " + std::to_string(subdomain.nodes.size()) + " nodes and " +
-                         std::to_string(subdomain.coordinates.size()) + " coordinates; each has three.");
+    return refuse(who + " has " + std::to_string(subdomain.nodes.size()) + " nodes and " +
+                  std::to_string(subdomain.coordinates.size()) + " coordinates; each has three.");
   if (subdomain.kernel.size() % std::max<Teuchos::Ordinal>(rows, 1) != 0)
-    return impl_->refuse(who + " has a kernel whose columns are not of its " + std::to_string(rows) + " unknowns.");
+    return refuse(who + " has a kernel whose columns are not of its " + std::to_string(rows) + " unknowns.");
   std::vector<std::int64_t> sorted = sub.ids;
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice != sorted.end()) return impl_->refuse(who + " has node " + std::to_string(*twice) + " twice.");
-  if (!sorted.empty() && sorted.front() < 0) return impl_->refuse(who + " has node " + std::to_string(sorted.front()) + "; ids must be >= 0.");
+  if (twice != sorted.end()) return refuse(who + " has node " + std::to_string(*twice) + " twice.");
+  if (!sorted.empty() && sorted.front() < 0) return refuse(who + " has node " + std::to_string(sorted.front()) + "; ids must be >= 0.");
   sub.part.coordinates = coordinatesOf(subdomain.coordinates);
   for (const auto& x : sub.part.coordinates)
-    if (!Vec3::isFinite(x)) return impl_->refuse(who + " has a coordinate that is not finite.");
+    if (!Vec3::isFinite(x)) return refuse(who + " has a coordinate that is not finite.");
   sub.part.K = subdomain.K;
   if (subdomain.kernel.size() > 0)
     sub.part.kernel = Eigen::Map<const Eigen::MatrixXd>(subdomain.kernel.getRawPtr(), rows, subdomain.kernel.size() / rows);
   impl_->input->subdomains.push_back(std::move(sub));
+  return true;
 }
 
 void ContactSystem::addNodes(ArrayView<const GlobalOrdinal> nodes, ArrayView<const double> coordinates) {
   if (coordinates.size() != 3 * nodes.size())
     return impl_->refuse(std::to_string(nodes.size()) + " nodes come with " + std::to_string(coordinates.size()) + " coordinates; each has three.");
   const Coordinates places = coordinatesOf(coordinates);
+  for (std::size_t i = 0; i < places.size(); ++i)
+    if (!Vec3::isFinite(places[i]))
+      return impl_->refuse("Node " + std::to_string(nodes[Teuchos::Ordinal(i)]) + " has a coordinate that is not finite.");
   for (Teuchos::Ordinal i = 0; i < nodes.size(); ++i) impl_->input->places[nodes[i]] = places[std::size_t(i)];
 }
 
@@ -243,12 +256,14 @@ void ContactSystem::clearPrescribed() {
 int ContactSystem::addPair(const PairInput& pair) {
   impl_->input->pairs.push_back(pair);
   impl_->changes.rows = true;
+  impl_->arePairsSolved = false;
   return int(impl_->input->pairs.size()) - 1;
 }
 
 void ContactSystem::clearPairs() {
   impl_->input->pairs.clear();
   impl_->changes.rows = true;
+  impl_->arePairsSolved = false;
 }
 
 void ContactSystem::setGap(int pair, double gap) {
@@ -312,13 +327,22 @@ ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
   const StepResult result = impl_->solver->solve(step);
   impl_->input->average(*result.u, u);
   impl_->lambda = result.dual.lambda;
+  impl_->arePairsSolved = true;
   return {result.solved, result.reason, result.method, result.accuracy.errors.kkt(), result.multiplications};
 }
 
 RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
 
+// What was added since has no force yet.
+void ContactSystem::requireForces() const {
+  const bool isMissing = !impl_->solver || impl_->lambda.is_null() || !impl_->arePairsSolved;
+  if (anyOfAll(*impl_->comm, isMissing))
+    throw InputError("Contact forces are those of the last solve; nothing is solved yet, or pairs were added or cleared since: call solve first.");
+}
+
 // Rows lie where nodes lie; forces go back to the rank that added the pair, whose positions in an interface are one range.
 std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
+  requireForces();
   const SystemInput& input = *impl_->input;
   const Communicator& comm = *impl_->comm;
   struct Force {

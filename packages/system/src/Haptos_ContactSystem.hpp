@@ -15,7 +15,7 @@ namespace Haptos {
 /// \brief A subdomain of one rank: its nodes and its stiffness by itself, nothing held and nothing merged (Neumann).
 struct SubdomainInput {
   int body = 0;                                   ///< bodies are numbered from 0 without gaps, over all ranks
-  Teuchos::ArrayView<const GlobalOrdinal> nodes;  ///< ids >= 0; the same id in one body is the same material point
+  Teuchos::ArrayView<const GlobalOrdinal> nodes;  ///< ids >= 0, of one body each; the same id in two subdomains is the same material point
   Teuchos::ArrayView<const double> coordinates;   ///< [3 x nodes]
   /// [3 x nodes], row 3 x node + component, on one rank; shared, not copied, and needed as long as the system
   RCP<const CrsMatrix> K;
@@ -35,7 +35,7 @@ struct PairInput {
 };
 
 /// \brief Bodies in contact with friction, for programs that assemble by themselves: matrices and pairs in, u and lambda out,
-/// solved again and again.
+/// solved again and again.  Friction resists the whole slip since the state without loads: no solve remembers the one before.
 ///
 ///   minimise 1/2 u^T K u - f^T u  with contact and friction on the pairs, u = prescribed where it is
 ///
@@ -49,7 +49,9 @@ struct PairInput {
 ///   values of K                 factors and all that is made of them; the multipliers are where the next solve starts
 ///
 /// The communicator is duplicated: messages of this object meet no others, and several systems may live at once.  Errors are
-/// thrown on all ranks by the Collective calls (setUp, solve); what was wrong may be given anew and the call repeated.
+/// thrown on all ranks by the Collective calls (setUp, solve).  What an addition was refused for was not taken, and may be given
+/// anew; what is wrong with a matrix or a pair that was taken is seen by setUp, and stays: pairs and prescribed values can be cleared, for
+/// another matrix make another system.
 class ContactSystem {
  public:
   /// \param parameters sublists Solver, Local Solver, Preconditioner, Coarse Problem, Decomposition as in the input of the
@@ -63,7 +65,8 @@ class ContactSystem {
   /// \name What is solved.  Local, but for the interfaces, which all ranks add alike.
   /// @{
   int addInterface(std::string name, const FrictionSpec& friction);
-  void addSubdomain(const SubdomainInput& subdomain);
+  /// \brief Returns whether it was taken; what was wrong else is told by the next Collective call.
+  bool addSubdomain(const SubdomainInput& subdomain);
   /// \brief Places of the nodes of elements that this rank adds, [3 x nodes].
   void addNodes(Teuchos::ArrayView<const GlobalOrdinal> nodes, Teuchos::ArrayView<const double> coordinates);
   /// \brief A stiffness [3 nodes x 3 nodes] that is not merged with others, instead of subdomains: the system cuts them.
@@ -100,7 +103,9 @@ class ContactSystem {
   Outcome solve(const Vector& f, Vector& u);
 
   RCP<const Vector> multipliers() const;  ///< of the last solve: reactions, gluing and contact forces by row
-  /// \brief (lambda_N, lambda_T1, lambda_T2) of every pair that this rank added [force].  Collective.
+  /// \brief (lambda_N, lambda_T1, lambda_T2) of every pair that this rank added [force], along its normal, t1 and t2 = normal x t1 (`makeFrame`); a
+  /// lambda_N > 0 presses, and the secondary side feels -lambda.  Collective.
+  /// \throws InputError on all ranks if nothing is solved, or pairs were added or cleared since
   std::vector<std::array<double, 3>> contactForces() const;
 
   /// \brief Work since construction, over all ranks.  Collective.
@@ -115,6 +120,8 @@ class ContactSystem {
   const StepSolver& solver() const;
 
  private:
+  void requireForces() const;
+
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

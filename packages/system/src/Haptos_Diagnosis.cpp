@@ -5,6 +5,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 
+#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_PairLaws.hpp"
@@ -45,6 +46,27 @@ std::string hardFriction(const SystemModel& data) {
   return text;
 }
 
+// Nearer it is the last digits that are missing.
+bool isFar(const UnconvergedRun& run) {
+  constexpr double kFar = 1e3;  // times the tolerance
+  return run.accuracy.errors.kkt() > kFar * run.options.solver.tolerance;
+}
+
+// What pairs that stick hold no more, as where loads are beyond what friction carries, or gaps too wide to be closed.
+std::string freeMotion(const UnconvergedRun& run) {
+  constexpr double kUnnamed = 0.05;  // rotations that move no node by a twentieth of the translation
+  const FetiSystem& system = run.system;
+  const double kkt = run.accuracy.errors.kkt();
+  const Vector& lambda = *run.solver.solution().lambda;
+  const double force = contactForceScale(system.law(), lambda, run.accuracy.scales.load);
+  const Eigen::MatrixXd free = system.motionsUnheldAt(lambda, {force, 0.1 * kkt}).basis;  // forces are known to kkt
+  if (free.cols() <= system.unheldMotions().basis.cols()) return "";
+  const Eigen::VectorXd work = free.transpose() * (system.bodies().Z().transpose() * system.dual().e);
+  return "; where it ended, only pairs that slide or are open are left against a motion of " +
+         system.bodies().describe(free * solveByLdlt(free.transpose() * free, work), kUnnamed, MotionSense::AsGiven) +
+         ": the loads may be more than contact and friction carry, or the gaps too wide to close";
+}
+
 // What helps, in the order in which it should be tried; nothing helps against round-off but a larger tolerance.
 std::string advice(const UnconvergedRun& run) {
   const SolverOptions& solver = run.options.solver;
@@ -58,8 +80,10 @@ std::string advice(const UnconvergedRun& run) {
     text += "; raise Solver->Maximum Recycled Pairs (" + std::to_string(solver.maximumRecycledPairs) + ")";
   if (run.options.preconditioner.kind != PreconditionerKind::Dirichlet && solver.method != SolverMethod::Smalse)
     text += "; set Preconditioner->Type to Dirichlet";
+  if (text.empty() && isFar(run)) text += freeMotion(run);
   text += hardFriction(run.system.model());
   if (text.empty() && solver.method != SolverMethod::Automatic) text += "; set Solver->Method to Automatic";
+  if (text.empty() && isFar(run)) text += "; there may be no solution: see whether smaller loads, or more friction, have one";
   if (text.empty()) text += "; a finer mesh at the edge of contact or a looser Solver->Relative Tolerance may help";
   return text;
 }

@@ -65,6 +65,19 @@ UnheldMotions FetiSystem::motionsUnheldBy(Holds&& holds) const {
   return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
 }
 
+UnheldMotions FetiSystem::motionsUnheldAt(const Vector& lambda, const StateScales& scales) const {
+  std::vector<char> counts;
+  for (const RowKind kind : model_.multipliers->kinds()) counts.push_back(isEquality(kind));
+  const auto data = lambda.getData(0);
+  for (const PairLaw& pair : law_.pairs()) {
+    const ContactStatus status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), scales);
+    if (pair.normal >= 0) counts[std::size_t(pair.normal)] = status != ContactStatus::Open;
+    for (const int row : pair.tangential)
+      if (row >= 0) counts[std::size_t(row)] = status == ContactStatus::Stick && pair.frictional();
+  }
+  return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
+}
+
 // Both checks know e = R^T f alone, so a step is refused before anything is factored.
 void FetiSystem::setStep(StepData step) {
   const Eigen::VectorXd e = G_->restrictLoad(*step.f, *systems_);
@@ -75,7 +88,9 @@ void FetiSystem::setStep(StepData step) {
   if (isFormed()) dual_.setStep(step_);
 }
 
-void FetiSystem::setFriction(std::vector<FrictionSpec> friction) {
+// Before the rows of new interfaces are there the pairs are those of the others.
+void FetiSystem::setFriction(std::vector<std::string> names, std::vector<FrictionSpec> friction) {
+  model_.interfaceNames = std::move(names);
   law_ = makeContactLaw(*model_.multipliers, friction);
   model_.friction = std::move(friction);
 }

@@ -33,7 +33,7 @@ class FetiSystem {
   /// \brief Loads and right-hand sides; once the dual problem is formed this costs one K^+.
   /// \throws InsufficientModel on all ranks where nothing carries the loads; the step before stays then
   void setStep(StepData step);
-  void setFriction(std::vector<FrictionSpec> friction);
+  void setFriction(std::vector<std::string> names, std::vector<FrictionSpec> friction);
 
   /// \brief How K^+ is applied, see `LocalDual`: dense matrices take at most half the memory of a machine.
   /// \param preconditioner made in the same go, or none: K is let go after it
@@ -53,6 +53,8 @@ class FetiSystem {
   const BodyMotions& bodies() const { return *bodies_; }
   const UnheldMotions& unheldMotions() const { return unheld_; }  ///< of bodies that no row holds: balanced loads may act on them
   const UnheldMotions& floatingMotions() const { return floating_; }  ///< of bodies that contact alone holds, if anything
+  /// \brief Motions that nothing holds at these multipliers: no equality row, no closed pair, no tangential row of one that sticks.  Collective.
+  UnheldMotions motionsUnheldAt(const Vector& lambda, const StateScales& scales) const;
   const StepData& step() const { return step_; }
   const Vector& f() const { return *step_.f; }
   const Vector& c() const { return *step_.c; }

@@ -5,6 +5,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <cmath>
+#include <limits>
 
 namespace Haptos {
 
@@ -38,7 +39,9 @@ double KktEstimator::measureEquilibrium(const Vector& lambda) const {
   mine << part, localReactions(system_.jump().multipliers(), lambda).squares;
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
   const double ext = std::max(loads_.norm, std::sqrt(all[part.size()]));
-  return ext > 0 && !isWithoutForce_ ? (all.head(part.size()) - system_.dual().e).norm() / ext : 0.0;
+  const double rest = (all.head(part.size()) - system_.dual().e).norm();
+  if (!std::isfinite(rest)) return std::numeric_limits<double>::infinity();  // NaN would be lost in comparisons
+  return ext > 0 && !isWithoutForce_ ? rest / ext : 0.0;
 }
 
 // All but equilibrium.  Collective: one reduction.

@@ -149,8 +149,9 @@ void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating
   if (balance.imbalance(balance.solve()) <= kBalanced) return;
   // The motion that is named is the one of least distance in lengths.
   const DualState state = RigidBalance(comm, law, H, b, Eigen::VectorXd::Ones(b.size())).solve();
+  const Eigen::VectorXd way = b.dot(state.a) < 0 ? Eigen::VectorXd(-N * state.a) : Eigen::VectorXd(N * state.a);  // the loads' work is positive
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
-                          bodies.describe(N * state.a, kUnnamed) +
+                          bodies.describe(way, kUnnamed, MotionSense::AsGiven) +
                           ". Reduce the load in that direction, raise the friction, or fix the body there.");
 }
 

@@ -62,6 +62,11 @@ void requireSize(const Part& part) {
   if (localNumRows(*part.K) != n)
     refuse(part, "has " + std::to_string(localNumRows(*part.K)) + " rows; its " + std::to_string(n / 3) + " nodes have " + std::to_string(n) +
                      " unknowns, three each.");
+  if (localNumEntries(*part.K) == 0) refuse(part, "has no entries.");
+  const Map &rows = *part.K->getRowMap(), &columns = *part.K->getColMap();
+  for (LocalOrdinal j = 0; j < LocalOrdinal(localNumElements(columns)); ++j)
+    if (!rows.isNodeGlobalElement(columns.getGlobalElement(j)))
+      refuse(part, "has an entry in column " + std::to_string(columns.getGlobalElement(j)) + ", which is none of its rows.");
 }
 
 // || K - K^T ||_max without a transpose: column by column, entries below the diagonal meet those of their rows in the order in which these stand.

@@ -3,10 +3,13 @@
 
 #include <Tpetra_Map.hpp>
 #include <algorithm>
+#include <cmath>
 #include <limits>
+#include <set>
 
 #include "Haptos_MultiplierMap.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_SurfaceCentres.hpp"
 
 namespace Haptos {
@@ -16,13 +19,19 @@ constexpr int kPairsOfGroup = 12;   // before they overlap
 constexpr double kOverlap = 0.6;    // of the radius of what is a group's own
 constexpr double kRoundOff = 1e-9;  // of a distance: pairs in the middle between two centres are the first one's, in any units
 
-// [places x centres], infinite where the interface is another one
-Eigen::MatrixXd distances(const std::vector<SurfacePlace>& places, const std::vector<SurfaceCentre>& centres) {
-  Eigen::MatrixXd result(Eigen::Index(places.size()), Eigen::Index(centres.size()));
-  for (std::size_t i = 0; i < places.size(); ++i)
-    for (std::size_t c = 0; c < centres.size(); ++c)
-      result(Eigen::Index(i), Eigen::Index(c)) =
-          places[i].interface == centres[c].place.interface ? (places[i].x - centres[c].place.x).norm() : std::numeric_limits<double>::infinity();
+// Those that have places, on any rank.  Collective.
+std::size_t countInterfaces(const Communicator& comm, const std::vector<SurfacePlace>& places) {
+  std::set<int> mine;
+  for (const SurfacePlace& place : places) mine.insert(place.interface);
+  const std::vector<int> all = gatheredOnAll(comm, std::vector<int>(mine.begin(), mine.end()));
+  return std::set<int>(all.begin(), all.end()).size();
+}
+
+// [centres] infinite where the interface is another one.  Of one place at a time: of all they would be the largest array there is.
+Eigen::VectorXd distancesTo(const std::vector<SurfaceCentre>& centres, const SurfacePlace& place) {
+  Eigen::VectorXd result(Eigen::Index(centres.size()));
+  for (std::size_t c = 0; c < centres.size(); ++c)
+    result[Eigen::Index(c)] = place.interface == centres[c].place.interface ? (place.x - centres[c].place.x).norm() : std::numeric_limits<double>::infinity();
   return result;
 }
 
@@ -32,28 +41,31 @@ std::vector<PairGroup> groupsOfPairs(const MultiplierMap& multipliers, const std
   const auto& comm = *multipliers.map()->getComm();
   std::vector<SurfacePlace> places;
   for (std::size_t i = 0; i < x.size(); ++i) places.push_back({multipliers.pairs()[i].interface, x[i]});
-  const auto wanted = std::size_t(std::max<GlobalOrdinal>(1, multipliers.numPairs() / kPairsOfGroup));
+  // Pairs of an interface without a centre would be near none.
+  const std::size_t wanted = std::max({std::size_t(1), std::size_t(multipliers.numPairs() / kPairsOfGroup), countInterfaces(comm, places)});
   const std::vector<SurfaceCentre> centres = chooseCentres(comm, places, wanted);
-  const Eigen::MatrixXd distance = distances(places, centres);
 
   std::vector<Eigen::Index> own(places.size());
   Eigen::VectorXd radius = Eigen::VectorXd::Zero(Eigen::Index(centres.size()));
   for (std::size_t i = 0; i < places.size(); ++i) {
-    const auto row = distance.row(Eigen::Index(i));
+    const Eigen::VectorXd row = distancesTo(centres, places[i]);
     const double nearest = row.minCoeff() * (1 + kRoundOff);
     while (row[own[i]] > nearest) ++own[i];
-    radius[own[i]] = std::max(radius[own[i]], row[own[i]]);
+    if (std::isfinite(row[own[i]])) radius[own[i]] = std::max(radius[own[i]], row[own[i]]);
   }
   radius = largestOfAll(comm, radius);
 
   std::vector<PairGroup> groups(centres.size());
-  for (std::size_t i = 0; i < places.size(); ++i)
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Eigen::VectorXd row = distancesTo(centres, places[i]);
     for (std::size_t c = 0; c < centres.size(); ++c) {
+      const double distance = row[Eigen::Index(c)];
       const bool isOwn = own[i] == Eigen::Index(c);
-      if (!isOwn && distance(Eigen::Index(i), Eigen::Index(c)) > (1 + kOverlap) * (1 + kRoundOff) * radius[Eigen::Index(c)]) continue;
+      if (!std::isfinite(distance) || (!isOwn && distance > (1 + kOverlap) * (1 + kRoundOff) * radius[Eigen::Index(c)])) continue;
       groups[c].pairs.push_back(int(i));
       groups[c].isOwn.push_back(isOwn);
     }
+  }
   return groups;
 }
 

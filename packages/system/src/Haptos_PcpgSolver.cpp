@@ -168,7 +168,7 @@ double PcpgSolver::iterate(double tolerance, long most) {
 bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
-  while (iterate(request.tolerance, left()) > 0) {
+  while (iterate(request.tolerance, left()) != 0) {  // NaN is no success
     if (cures_.empty() || left() < 2) return false;
     deflate();
   }

@@ -4,6 +4,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <cmath>
 
 #include "Haptos_AutomaticSolver.hpp"
 #include "Haptos_Diagnosis.hpp"
@@ -12,6 +13,7 @@
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PcpgSolver.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_WrittenField.hpp"
 
 namespace Haptos {
@@ -115,7 +117,7 @@ bool StepSolver::iterate(StepResult& result) try {
     if (isNew) measureNow(SmoothingEffort::Usual);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
-    if (kkt <= std::max(tolerance, result.accuracy.floor) || !passed) break;
+    if (kkt <= std::max(tolerance, result.accuracy.floor) || !passed || !std::isfinite(kkt)) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
     request.jumps = jumps;
@@ -130,6 +132,16 @@ bool StepSolver::iterate(StepResult& result) try {
   throw InsufficientModel(kLooseModel);
 }
 
+// No load, supports that stay where they are, no overlap: then nothing moves, and multipliers of before are no start but what their round-off leaves.
+bool StepSolver::isAtRest() const {
+  const auto& kinds = system_->model().multipliers->kinds();
+  const auto c = system_->step().c->getData(0);
+  bool mine = loads_.norm == 0;
+  for (std::size_t row = 0; row < kinds.size() && mine; ++row)
+    mine = c[Teuchos::Ordinal(row)] == 0 || (kinds[row] == RowKind::Normal && c[Teuchos::Ordinal(row)] > 0);
+  return !anyOfAll(*system_->model().comm, !mine);
+}
+
 // A step that was checked before comes again with the same vectors: then there is nothing to check.
 StepResult StepSolver::solve(StepData step) {
   if (step.f != system_->step().f || step.c != system_->step().c) check(std::move(step));
@@ -137,6 +149,7 @@ StepResult StepSolver::solve(StepData step) {
   const auto scope = time(Phase::Solve);
   const long before = multiplications();
   StepResult result;
+  if (isAtRest()) solver_.reset(), start_ = Teuchos::null;
   if (solver_) solver_->renew();
   else solver_ = makeSolver();
   const bool passed = iterate(result);
@@ -153,7 +166,9 @@ StepResult StepSolver::solve(StepData step) {
   return result;
 }
 
-void StepSolver::setFriction(std::vector<FrictionSpec> friction) { system_->setFriction(std::move(friction)); }
+void StepSolver::setFriction(std::vector<std::string> names, std::vector<FrictionSpec> friction) {
+  system_->setFriction(std::move(names), std::move(friction));
+}
 
 // Multipliers of other rows mean nothing: the next solve starts afresh.
 void StepSolver::renewRows(RCP<const MultiplierMap> multipliers) {

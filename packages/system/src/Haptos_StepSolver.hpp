@@ -49,7 +49,8 @@ class StepSolver {
   /// \brief Checks the step, factors what is not factored, solves and measures.  Not converging is a result.
   StepResult solve(StepData step);
 
-  void setFriction(std::vector<FrictionSpec> friction);
+  /// \brief Names and laws of all interfaces, also of new ones whose rows come by `renewRows` next; the same on all ranks.
+  void setFriction(std::vector<std::string> names, std::vector<FrictionSpec> friction);
   void setTolerance(double tolerance) { options_.solver.tolerance = tolerance; }
   /// \brief Other pairs or axes on the same subdomains: rows, G, G G^T and surfaces are made again, sparse factors stay.
   void renewRows(RCP<const MultiplierMap> multipliers);
@@ -65,6 +66,7 @@ class StepSolver {
  private:
   std::unique_ptr<ContactSolver> makeSolver() const;
   void factor();
+  bool isAtRest() const;
   Accuracy measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps, SmoothingEffort effort) const;
   bool iterate(StepResult& result);
   std::optional<RunClock::Scope> time(Phase phase) const;

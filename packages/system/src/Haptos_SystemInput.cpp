@@ -88,7 +88,11 @@ void checkPair(const PairInput& pair, int numInterfaces) {
   for (const auto& [node, weight] : pair.primary) sum += weight;
   if (!pair.primary.empty() && !(std::abs(sum - 1) <= kRoundOff))
     throw InputError(describe(pair) + " has primary weights that add up to " + std::to_string(sum) + "; it must be 1.");
-  makeFrame(pair.normal, pair.axis);
+  try {
+    makeFrame(pair.normal, pair.axis);
+  } catch (const InputError& e) {
+    throw InputError(describe(pair) + ": " + e.what());
+  }
 }
 
 }  // namespace
@@ -159,7 +163,7 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   for (const auto& sub : dealt_) model.bodies.push_back(sub.body);
   model.pieces = model.bodies;
   model.pieceNames = model.bodyNames = nameBodies();
-  for (const auto& interface : interfaces) model.interfaceNames.push_back(interface.name);
+  model.interfaceNames = names();
   model.friction = friction();
   model.gather = gather_;
   model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
@@ -183,6 +187,33 @@ std::vector<FrictionSpec> SystemInput::friction() const {
   return result;
 }
 
+std::vector<std::string> SystemInput::names() const {
+  std::vector<std::string> result;
+  for (const auto& interface : interfaces) result.push_back(interface.name);
+  return result;
+}
+
+// What is joined is told by ids alone: a node of two bodies would be a tie, or a mistake in numbering bodies one by one.
+void SystemInput::checkBodiesOfNodes(const std::vector<std::int64_t>& numbers) const {
+  struct Place {
+    std::int64_t number, id;
+    int body;
+  };
+  std::vector<Place> mine;
+  std::size_t at = 0;
+  for (const auto& sub : dealt_)
+    for (auto id : sub.ids) mine.push_back({numbers[at++], id, sub.body});
+  std::map<std::int64_t, int> bodies;
+  std::string shared;
+  for (const Place& place : sendItems(*comm_, mine, [&](const Place& p) { return gather_->nodes().owner(p.number); })) {
+    const auto [first, isNew] = bodies.emplace(place.number, place.body);
+    if (!isNew && first->second != place.body)
+      shared = "Node " + std::to_string(place.id) + " is in bodies " + std::to_string(std::min(first->second, place.body)) + " and " +
+               std::to_string(std::max(first->second, place.body)) + "; ids must be of one body each.";
+  }
+  throwOnAllRanks(*comm_, shared);
+}
+
 // Consecutive numbers in the order of the ids; the callers' map; copies of every node.
 void SystemInput::numberNodes() {
   std::vector<std::int64_t> ids;
@@ -197,6 +228,7 @@ void SystemInput::numberNodes() {
     at += sub.ids.size();
   }
   gather_ = std::make_shared<NodalGather>(comm_, numbers, numbering_.size());
+  checkBodiesOfNodes(numbers);
   mapNodes(ids);
 }
 

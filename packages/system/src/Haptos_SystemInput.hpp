@@ -48,6 +48,8 @@ class SystemInput {
 
   std::shared_ptr<const SubdomainStiffness> stiffness() const { return stiffness_; }
   std::vector<FrictionSpec> friction() const;
+  std::vector<std::string> names() const;  ///< of the interfaces
+  void checkInterfaces() const;            ///< Collective
   const std::vector<PrescribedDisplacement>& prescribedHere() const { return prescribedHere_; }  ///< see StepData
   const RCP<const Map>& map() const { return map_; }
   std::string nameOfNode(std::int64_t number) const;  ///< its id; Collective
@@ -60,7 +62,7 @@ class SystemInput {
 
  private:
   void checkKind() const;
-  void checkInterfaces() const;
+  void checkBodiesOfNodes(const std::vector<std::int64_t>& numbers) const;
   std::vector<std::string> nameBodies() const;
   void checkPairs() const;
   void numberNodes();

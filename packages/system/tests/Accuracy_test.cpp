@@ -307,7 +307,9 @@ TEUCHOS_UNIT_TEST(ContactResults, ForcesBalanceAndStatesAreCounted) {
     }
     TEST_FLOATING_EQUALITY(pairs[i].pressure, blocks.lambda[rows.normal] / rows.geometry.area, 1e-13);
   }
-  const auto sums = summarizeInterfaces(pairs, 1);
+  const auto sums = summarizeInterfaces(pairs, {0}), exchanged = summarizeInterfaces(pairs, {1});
+  TEST_ASSERT(std::hypot(sums[0].tangentialForce[0], sums[0].tangentialForce[1]) > 0);
+  for (int d = 0; d < 3; ++d) TEST_EQUALITY(exchanged[0].tangentialForce[d], -sums[0].tangentialForce[d]);
   TEST_FLOATING_EQUALITY(sums[0].normalForce, normal, 1e-13);
   TEST_EQUALITY(sums[0].stick, long(pairs.size()));
   TEST_EQUALITY(sums[0].open + sums[0].slip, 0L);

@@ -103,6 +103,22 @@ TEUCHOS_UNIT_TEST(KktMeasure, NothingMeansZero) {
   TEST_EQUALITY(measureContact(law, zero, zero, {0, 0}).kkt(), 0.0);
 }
 
+// Comparisons would take it for 0, on the rank that has it and in reductions.
+TEUCHOS_UNIT_TEST(KktMeasure, WhatIsNoNumberIsNoAnswer) {
+  const Scene scene = makeScene(partlyClamped());
+  const Dealt dealt = deal(Tpetra::getDefaultComm(), scene);
+  const ContactLaw law = makeContactLaw(*dealt.multipliers, {{FrictionLaw::Coulomb, {0.3, 0.3}, 0}});
+  const Vector zero(dealt.multipliers->map());
+  const auto pair = scene.rows.pairs.front();
+  for (const GlobalOrdinal row : {GlobalOrdinal(pair.normal), GlobalOrdinal(pair.tangential[0])}) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(scene.rows.numRows());
+    values[row] = std::nan("");
+    const auto wrong = scattered(dealt.multipliers->map(), values);
+    TEST_ASSERT(std::isinf(measureContact(law, *wrong, zero, {1, 1}).kkt()));
+    TEST_ASSERT(std::isinf(measureContact(law, zero, *wrong, {1, 1}).kkt()));
+  }
+}
+
 TEUCHOS_UNIT_TEST(KktErrors, NamesTheWorst) {
   KktErrors e;
   e.slipLaw = 2;

@@ -112,6 +112,24 @@ TEUCHOS_UNIT_TEST(PairGroups, CoverAllPairsOnceAndOverlapAndKnowNoRanks) {
   TEST_ASSERT(numOthers > kPairs / 2 && numOthers < 3 * kPairs);
 }
 
+// More interfaces than there would be groups: each has one of its own, as pairs of one that had no centre would not be near any.
+TEUCHOS_UNIT_TEST(PairGroups, OfManySmallInterfacesAreTheInterfaces) {
+  Scene scene = blocks(true);
+  constexpr std::size_t kPairsOfEach = 6;
+  const std::vector<ContactPair> pairs = scene.interfaces.front().pairs;
+  scene.interfaces.assign(pairs.size() / kPairsOfEach, {});
+  std::vector<std::set<std::pair<std::int64_t, bool>>> expected(scene.interfaces.size());
+  for (std::size_t i = 0; i < pairs.size(); ++i) {
+    scene.interfaces[i / kPairsOfEach].pairs.push_back(pairs[i]);
+    expected[i / kPairsOfEach].insert({pairs[i].secondaryNode, true});
+  }
+  buildRows(scene);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  const MultiplierMap& multipliers = *feti.dealt.multipliers;
+  TEST_COMPARE(expected.size(), >, std::size_t(multipliers.numPairs() / 12));
+  TEST_ASSERT(nodesOf(groupsOfPairs(multipliers, placesIn(scene, multipliers)), multipliers) == expected);
+}
+
 // On a grid many pairs are in the middle between two centres, many nodes on the edge of a cell of those that centres are chosen from, and many
 // cells as far from the centres before: round-off of other units, or of another origin, would decide.
 TEUCHOS_UNIT_TEST(PairGroups, KnowNoUnits) {
