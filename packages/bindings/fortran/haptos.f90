@@ -1,6 +1,7 @@
 ! SPDX-License-Identifier: BSD-3-Clause
-!> Haptos from Fortran 2003: the functions of haptos.h, whose comments hold here.  Numbers of interfaces, pairs,
-!> rows and columns are C's (from 0); arrays are those of C by columns: coordinates(3, nodes), Ke(3 n, 3 n, elements).  Strings end with c_null_char.
+!> Haptos from Fortran 2003: the functions of haptos.h, whose comments hold here, but for haptos_create_serial, which is for
+!> callers without MPI.  Numbers of interfaces, pairs, rows and columns are C's (from 0); arrays are those of C by columns:
+!> coordinates(3, nodes), Ke(3 n, 3 n, elements).  Strings end with c_null_char.
 !> Compile this file with your program and link libhaptos_c.
 module haptos
   use, intrinsic :: iso_c_binding
@@ -161,6 +162,12 @@ module haptos
       import :: c_int, c_double, c_ptr
       type(c_ptr), value :: system
       real(c_double), intent(out) :: forces(3, *)
+    end function
+    integer(c_int) function haptos_multipliers(system, count, values) bind(c)
+      import :: c_int, c_int64_t, c_ptr
+      type(c_ptr), value :: system
+      integer(c_int64_t), intent(out) :: count
+      type(c_ptr), value :: values                        !< c_loc of count values, or c_null_ptr for the count alone
     end function
     integer(c_int) function haptos_count(system, counters) bind(c)
       import :: c_int, c_ptr, haptos_counters

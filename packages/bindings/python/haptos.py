@@ -6,7 +6,7 @@
     import haptos
     system = haptos.ContactSystem({"Solver": {"Relative Tolerance": 1e-8}})
     interface = system.add_interface("joint", "Coulomb", (0.3, 0.15))
-    system.add_elements(body, coordinates, connectivity, Ke)   # or add_subdomain with a sparse matrix
+    system.add_elements(body, nodes, coordinates, connectivity, Ke)   # or add_subdomain with a sparse matrix
     system.prescribe(nodes, [0, 1, 2], 0.0)
     system.add_pairs(interface, secondary, primary, normals)
     system.set_loads(nodes, forces)
@@ -14,13 +14,15 @@
     u = system.displacements(nodes)
 
 Needs numpy; several ranks need mpi4py.  The C library beside this file (../../../lib) is used, or the one that the environment
-variable HAPTOS_LIBRARY names.  Node ids, units, signs and the law are those of haptos.h: ids >= 0 as the caller likes, [u] = u_secondary -
-sum of weight x u_primary, gap along the normal, which points outward from the secondary side.
+variable HAPTOS_LIBRARY names.  Node ids, units, signs and the law are those of haptos.h: ids >= 0 as the caller likes, of one body each,
+[u] = u_secondary - sum of weight x u_primary, gap along the normal, which points outward from the secondary side.
 
 Shapes: n nodes, e elements of k nodes, p pairs.  Everything is copied.  Methods say Collective where all ranks must call them; the others
-are Local, and what is wrong with what they are given is raised on all ranks by the next Collective one.
+are Local.  A Local one raises ValueError, on its rank, where shapes or kinds of values do not fit, and has taken nothing then.  What
+else is wrong is raised on all ranks as InputError by the next Collective one; haptos.h tells what is to be given again after it.
 """
 import ctypes
+import numbers
 import os
 import pathlib
 import sys
@@ -136,9 +138,26 @@ def _load():
 _library = _load()
 
 
+def _integers(values, dtype, what):
+    """Whole numbers only: what would be cut off, as 1.7, or does not fit, is a mistake of the caller."""
+    array = np.asarray(values)
+    if array.dtype == dtype or array.size == 0:
+        return array.astype(dtype, copy=False)
+    whole = array.dtype.kind in "iu" or array.dtype.kind == "f" and np.isfinite(array).all() and (array == np.floor(array)).all()
+    limits = np.iinfo(dtype)
+    if not whole or int(array.min()) < limits.min or int(array.max()) > limits.max:
+        raise ValueError(f"{what} must be whole numbers from {limits.min} to {limits.max}; they are {np.array2string(array, threshold=6)}")
+    return array.astype(dtype)
+
+
+def _integer(value, what):
+    """One of them, as int."""
+    return _array(value, np.intc, (), what).item()
+
+
 def _array(values, dtype, shape, what):
     """A contiguous array of that shape (-1: any extent); scalars and rows are repeated."""
-    array = np.asarray(values, dtype=dtype)
+    array = np.asarray(values, dtype=float) if dtype is float else _integers(values, dtype, what)
     if -1 not in shape and array.ndim <= len(shape):
         try:
             array = np.broadcast_to(array, shape)
@@ -153,6 +172,19 @@ def _pointer(array):
     return None if array is None else array.ctypes.data_as(c_void_p)
 
 
+def _typed(key, value):
+    """Type and text of a parameter's value; numpy's scalars count as Python's."""
+    if isinstance(value, (bool, np.bool_)):
+        return "bool", str(value).lower()
+    if isinstance(value, numbers.Integral):
+        return "int", str(int(value))
+    if isinstance(value, numbers.Real):
+        return "double", repr(float(value))
+    if isinstance(value, str):
+        return "string", str(value)
+    raise TypeError(f"parameter '{key}' is a {type(value).__name__}; it must be a bool, int, float or str")
+
+
 def _xml(parameters):
     """Nested dicts, or XML as it is, to the XML of the program's input."""
     if parameters is None or isinstance(parameters, str):
@@ -164,10 +196,7 @@ def _xml(parameters):
             if isinstance(value, dict):
                 yield from lines(key, value)
             else:
-                kind = {bool: "bool", int: "int", float: "double", str: "string"}.get(type(value))
-                if kind is None:
-                    raise TypeError(f"parameter '{key}' is a {type(value).__name__}; it must be a bool, int, float or str")
-                text = str(value).lower() if kind == "bool" else repr(value) if kind == "double" else str(value)
+                kind, text = _typed(key, value)
                 yield f"<Parameter name={quoteattr(key)} type=\"{kind}\" value={quoteattr(text)}/>"
         yield "</ParameterList>"
 
@@ -186,7 +215,9 @@ class ContactSystem:
 
     def __init__(self, parameters=None, comm=None):
         self._system = c_void_p()
-        self._numbers = {"pairs": 0, "elements": 0, "entries": []}
+        # As C counts: pairs; rows of each element's matrix; entries of each subdomain's, by its number.
+        self._pairs, self._rows, self._entries = 0, [], {}
+        self._placed, self._is_set_up = [], False
         self._alone = comm is None or comm.size == 1
         xml = _xml(parameters)
         text = None if xml is None else xml.encode()
@@ -221,7 +252,9 @@ class ContactSystem:
         return number.value
 
     def add_subdomain(self, body, nodes, coordinates, matrix, kernel=None):
-        """A part of a body with the stiffness that it has by itself: nothing held, nothing merged.  Returns its number on this rank.
+        """A part of a body with the stiffness that it has by itself: nothing held, nothing merged.  Before set_up.
+
+        Returns its number on this rank, -1 where it is refused: then it is not there, and the next Collective method tells why.
 
         nodes: ids [n]; coordinates [n, 3]; matrix: scipy.sparse or a triple (row_starts [3 n + 1], columns, values) in CSR, all entries,
         rows 3 x node + component [force/length]; kernel [3 n, c]: all that the matrix does not feel, where that is more than rigid motions.
@@ -236,28 +269,48 @@ class ContactSystem:
         values = _array(matrix[2], float, (starts[-1],), "values")
         if kernel is not None:
             kernel = _array(np.asarray(kernel, float).T, float, (-1, 3 * len(nodes)), "the transposed kernel")
-        given = _Subdomain(body, len(nodes), _pointer(nodes), _pointer(coordinates), _pointer(starts), _pointer(columns), _pointer(values),
-                           0 if kernel is None else len(kernel), _pointer(kernel))
+        given = _Subdomain(_integer(body, "body"), len(nodes), _pointer(nodes), _pointer(coordinates), _pointer(starts), _pointer(columns),
+                           _pointer(values), 0 if kernel is None else len(kernel), _pointer(kernel))
         number = c_int()
         self._call("add_subdomain", byref(given), byref(number))
-        self._numbers["entries"].append(len(values))
+        if number.value >= 0:
+            self._entries[number.value] = len(values)
         return number.value
 
     def add_elements(self, body, nodes, coordinates, connectivity, Ke):
-        """Elements of this rank instead of subdomains: the system cuts them.  Returns the number of the first on this rank.
+        """Elements of this rank instead of subdomains: the system cuts them.  Before set_up.  Returns the number of the first on this rank.
 
-        nodes: ids [n]; coordinates [n, 3]; connectivity: ids [e, k]; Ke [e, 3 k, 3 k] or [3 k, 3 k] for all [force/length].
+        nodes: ids [n], with those of former calls all that the elements need; coordinates [n, 3]; connectivity: ids [e, k];
+        Ke [e, 3 k, 3 k] or [3 k, 3 k] for all [force/length].  All elements are taken, or none and ValueError tells why.
         """
-        nodes = _array(nodes, np.int64, (-1,), "nodes")
+        body, nodes = _integer(body, "body"), _array(nodes, np.int64, (-1,), "nodes")
         coordinates = _array(coordinates, float, (len(nodes), 3), "coordinates")
         connectivity = _array(connectivity, np.int64, (-1, -1), "connectivity")
         count, k = connectivity.shape
         Ke = _array(Ke, float, (count, 3 * k, 3 * k), "Ke")
+        self._require_elements(body, nodes, coordinates, connectivity)
         self._call("add_nodes", len(nodes), _pointer(nodes), _pointer(coordinates))
+        self._placed.append(nodes)
         self._call("add_elements", body, count, k, _pointer(connectivity), _pointer(Ke))
-        first = self._numbers["elements"]
-        self._numbers["elements"] += count
-        return first
+        self._rows += count * [3 * k]
+        return len(self._rows) - count
+
+    def _require_elements(self, body, nodes, coordinates, connectivity):
+        """All that C would refuse one by one: it cannot tell which, and numbers would be others than here."""
+        if self._is_set_up:
+            raise ValueError("elements are added after set_up; other elements are another system")
+        if body < 0 or connectivity.shape[1] == 0:
+            raise ValueError(f"elements have body {body} and {connectivity.shape[1]} nodes; bodies count from 0, and nodes must be > 0")
+        if connectivity.min(initial=0) < 0:
+            raise ValueError(f"connectivity names node {connectivity.min()}; ids must be >= 0")
+        if not np.isfinite(coordinates).all():
+            raise ValueError("coordinates must be finite")
+        missing = connectivity[~np.isin(connectivity, nodes)]
+        for former in self._placed:
+            if missing.size:
+                missing = missing[~np.isin(missing, former)]
+        if missing.size:
+            raise ValueError(f"connectivity names node {missing[0]}, which is not among the nodes that were given on this rank")
 
     def prescribe(self, nodes, components, values=0.0):
         """u_component(node) = value; once more after a solve: another value.
@@ -284,25 +337,28 @@ class ContactSystem:
         secondary = _array(secondary, np.int64, (-1,), "secondary")
         p = len(secondary)
         starts = None
+        if primary is None and weights is not None:
+            raise ValueError("weights are given without primary nodes; a rigid obstacle has none")
         if primary is not None:
-            primary = np.asarray(primary, np.int64)
+            primary = _integers(primary, np.int64, "primary")
             primary = _array(primary[:, None] if primary.ndim == 1 else primary, np.int64, (p, -1), "primary")
-            starts = np.arange(0, primary.size + 1, primary.shape[1], dtype=np.int64)
+            if primary.shape[1] == 0:
+                raise ValueError(f"primary has the shape {primary.shape}; a pair has a primary node, or primary is None")
+            starts = np.arange(p + 1, dtype=np.int64) * primary.shape[1]
             if weights is not None:
                 weights = _array(weights, float, primary.shape, "weights")
         normals, axes = _array(normals, float, (p, 3), "normals"), _array(axes, float, (p, 3), "axes")
         gaps, areas = _array(gaps, float, (p,), "gaps"), _array(areas, float, (p,), "areas")
-        given = _Pairs(interface, p, _pointer(secondary), _pointer(starts), _pointer(primary), _pointer(weights), _pointer(normals),
-                       _pointer(axes), _pointer(gaps), _pointer(areas))
+        given = _Pairs(_integer(interface, "interface"), p, _pointer(secondary), _pointer(starts), _pointer(primary), _pointer(weights),
+                       _pointer(normals), _pointer(axes), _pointer(gaps), _pointer(areas))
+        self._pairs += p  # before they are: the array of contact_forces is never shorter than what C writes
         self._call("add_pairs", byref(given))
-        first = self._numbers["pairs"]
-        self._numbers["pairs"] += p
-        return np.arange(first, first + p)
+        return np.arange(self._pairs - p, self._pairs)
 
     def clear_pairs(self):
         """Forgets the pairs of this rank."""
         self._call("clear_pairs")
-        self._numbers["pairs"] = 0
+        self._pairs = 0
 
     def set_loads(self, nodes, forces):
         """Forces [n, 3] on nodes [n], instead of what this rank gave before; those of all ranks on a node add up [force]."""
@@ -318,27 +374,35 @@ class ContactSystem:
 
     def set_friction(self, interface, law="Coulomb", coefficients=(0.0, 0.0), slip_bound=0.0):
         """Another law for an interface, see add_interface.  All ranks alike."""
-        self._call("set_friction", interface, byref(self._friction(law, coefficients, slip_bound)))
+        self._call("set_friction", _integer(interface, "interface"), byref(self._friction(law, coefficients, slip_bound)))
 
     def set_stiffness(self, subdomain, values):
         """Other entries for a subdomain of this rank, in the order of its CSR columns, or a scipy.sparse matrix of the same pattern."""
+        subdomain = _integer(subdomain, "subdomain")
         values = values.tocsr().data if hasattr(values, "tocsr") else values
-        entries = self._numbers["entries"][subdomain] if 0 <= subdomain < len(self._numbers["entries"]) else -1
-        values = _array(values, float, (entries,), "values")
+        # Of a number that is nowhere C reads nothing, and refuses it.
+        values = _array(values, float, (self._entries.get(subdomain, -1),), "values")
         self._call("set_stiffness", subdomain, _pointer(values))
 
     def set_elements(self, first, Ke):
-        """Other matrices Ke [e, 3 k, 3 k] for elements first, first + 1, ... of this rank [force/length]."""
-        Ke = _array(Ke, float, (-1, -1, -1), "Ke")
+        """Other matrices Ke [e, 3 k, 3 k] for elements first, first + 1, ... of this rank, all of k nodes [force/length]."""
+        first, Ke = _integer(first, "first"), _array(Ke, float, (-1, -1, -1), "Ke")
+        # Of numbers that are nowhere C reads nothing, and refuses them.
+        if 0 <= first <= len(self._rows) - len(Ke):
+            for rows in set(self._rows[first:first + len(Ke)]):
+                if Ke.shape[1:] != (rows, rows):
+                    raise ValueError(f"Ke of elements from {first} on has the shape {Ke.shape}; it must be {(len(Ke), rows, rows)}")
         self._call("set_elements", first, len(Ke), _pointer(Ke))
 
     def set_up(self):
         """Cuts, checks and numbers what was given; solve does it where it was not done.  Collective."""
         self._call("set_up")
+        self._is_set_up = True
 
     def solve(self):
         """Goes on from the solve before.  Returns an Outcome, also where it is not solved.  Collective."""
         found = _Outcome()
+        self.set_up()  # by itself, so that it is known to be done also where the loads are refused
         self._call("solve", byref(found))
         reason = _library.haptos_message(self._system).decode(errors="replace")
         return Outcome(bool(found.solved), found.multiplications, found.residual, found.method.decode(), reason)
@@ -351,8 +415,9 @@ class ContactSystem:
         return u
 
     def contact_forces(self):
-        """(N, T1, T2) [p, 3] of the pairs of this rank [force]; N >= 0 presses.  Collective."""
-        forces = np.empty((self._numbers["pairs"], 3))
+        """(N, T1, T2) [p, 3] of the pairs of this rank [force]; N >= 0 presses.  Of the last solve, since which no pair was added or
+        cleared.  Collective."""
+        forces = np.zeros((self._pairs, 3))
         self._call("contact_forces", _pointer(forces))
         return forces
 
@@ -374,7 +439,7 @@ class ContactSystem:
     def _friction(law, coefficients, slip_bound):
         if law not in LAWS:
             raise ValueError(f"law '{law}' is unknown; there are {', '.join(LAWS)}")
-        return _Friction(LAWS[law], (c_double * 2)(*_array(coefficients, float, (2,), "coefficients")), slip_bound)
+        return _Friction(LAWS[law], (c_double * 2)(*_array(coefficients, float, (2,), "coefficients")), float(slip_bound))
 
     def _call(self, function, *arguments):
         if not self._system:

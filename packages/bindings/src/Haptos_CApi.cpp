@@ -12,6 +12,7 @@
 #include "Haptos_ContactSystem.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_GivenMatrix.hpp"
+#include "Haptos_GivenPairs.hpp"
 #include "Haptos_NodeValues.hpp"
 #include "Haptos_ParameterXml.hpp"
 #include "haptos.h"
@@ -32,8 +33,8 @@ struct haptos_system {
   std::vector<int> nodesOfElement;
   std::vector<std::int64_t> loaded;
   std::vector<double> loads;
-  RCP<Vector> u;  // of the last solve
-  int interfaces = 0;
+  std::int64_t pairs = 0;  // of this rank
+  RCP<Vector> u;           // of the last solve
   std::string refused;  // by a local function, told by the next collective one
   std::string message;
 };
@@ -76,13 +77,23 @@ int local(haptos_system* system, Work&& work) {
   });
 }
 
-template <class Work>
-int collective(haptos_system* system, Work&& work) {
+// Arguments may be wrong on one rank alone: `check` does not communicate, and all ranks hear of it before `work` does.
+template <class Check, class Work>
+int collective(haptos_system* system, Check&& check, Work&& work) {
   if (system == nullptr) return HAPTOS_INPUT_ERROR;
   return guarded(system->message, [&] {
-    throwOnAllRanks(*system->comm, std::exchange(system->refused, ""));
+    const std::string refused = std::exchange(system->refused, "");
+    runOnAllRanks(*system->comm, [&] {
+      require(refused.empty(), refused);
+      check();
+    });
     work(*system->system);
   });
+}
+
+template <class Work>
+int collective(haptos_system* system, Work&& work) {
+  return collective(system, [] {}, work);
 }
 
 template <class T>
@@ -107,23 +118,6 @@ FrictionSpec frictionOf(const haptos_friction* given) {
 // The numbers in haptos.h are part of the interface, those of the enum are not: they must not part unseen.
 static_assert(int(FrictionLaw::Frictionless) == HAPTOS_FRICTIONLESS && int(FrictionLaw::Tresca) == HAPTOS_TRESCA &&
               int(FrictionLaw::Coulomb) == HAPTOS_COULOMB);
-
-PairInput pairOf(const haptos_pairs& given, int i) {
-  PairInput pair;
-  pair.interface = given.interface;
-  pair.secondary = given.secondary[i];
-  const std::int64_t first = given.primary_starts ? given.primary_starts[i] : i, last = given.primary_starts ? given.primary_starts[i + 1] : i + 1;
-  for (std::int64_t k = first; given.primary != nullptr && k < last; ++k)
-    // Weights may be left out: then all nodes of the primary count alike, and one node alone has weight 1.
-    pair.primary.emplace_back(given.primary[k], given.weights ? given.weights[k] : 1.0 / double(last - first));
-  for (std::size_t d = 0; d < 3; ++d) {
-    pair.normal[d] = given.normals[3 * i + int(d)];
-    pair.axis[d] = given.axes ? given.axes[3 * i + int(d)] : d == 0 ? 1.0 : 0.0;
-  }
-  pair.gap = given.gaps ? given.gaps[i] : 0;
-  pair.area = given.areas ? given.areas[i] : 1;
-  return pair;
-}
 
 // Kokkos is the process's: whoever needs it first starts it, and it stays.
 void startKokkos() {
@@ -223,28 +217,33 @@ int haptos_destroy(haptos_system** system) {
 const char* haptos_message(const haptos_system* system) { return system == nullptr ? messageOfCreation.c_str() : system->message.c_str(); }
 
 int haptos_add_interface(haptos_system* system, const char* name, const haptos_friction* friction, int* interface) {
+  if (interface != nullptr) *interface = -1;
   return local(system, [&](ContactSystem& s) {
-    if (interface != nullptr) *interface = system->interfaces;
-    s.addInterface(name == nullptr ? "" : name, frictionOf(friction));
-    ++system->interfaces;
+    const int number = s.addInterface(name == nullptr ? "" : name, frictionOf(friction));
+    if (interface != nullptr) *interface = number;
   });
 }
 
 int haptos_add_subdomain(haptos_system* system, const haptos_subdomain* given, int* number) {
+  if (number != nullptr) *number = -1;
   return local(system, [&](ContactSystem& s) {
     require(given != nullptr, "A subdomain is NULL.");
-    system->matrices.push_back(givenMatrix(*given));
-    if (number != nullptr) *number = int(system->matrices.size()) - 1;
+    requireArrays(given->kernel_columns, given->kernel != nullptr, "Columns of a subdomain's kernel", "values");
+    GivenMatrix matrix = givenMatrix(*given);
     const auto ids = idsOf(given->nodes, given->num_nodes);
     const auto unknowns = 3 * std::int64_t(given->num_nodes);
-    s.addSubdomain({given->body, Teuchos::arrayViewFromVector(ids), view(given->coordinates, unknowns), system->matrices.back().K,
-                    view(given->kernel, given->kernel ? unknowns * given->kernel_columns : 0)});
+    // One that was refused has no number: those of later ones are counted as the system counts them.
+    if (!s.addSubdomain({given->body, Teuchos::arrayViewFromVector(ids), view(given->coordinates, unknowns), matrix.K,
+                         view(given->kernel, unknowns * given->kernel_columns)}))
+      return;
+    system->matrices.push_back(std::move(matrix));
+    if (number != nullptr) *number = int(system->matrices.size()) - 1;
   });
 }
 
 int haptos_add_nodes(haptos_system* system, int64_t count, const int64_t* nodes, const double* coordinates) {
   return local(system, [&](ContactSystem& s) {
-    require(count == 0 || (count > 0 && nodes && coordinates), "Nodes come without ids or coordinates.");
+    requireArrays(count, nodes && coordinates, "Nodes", "ids or coordinates");
     const auto ids = idsOf(nodes, count);
     s.addNodes(Teuchos::arrayViewFromVector(ids), view(coordinates, 3 * count));
   });
@@ -252,10 +251,12 @@ int haptos_add_nodes(haptos_system* system, int64_t count, const int64_t* nodes,
 
 int haptos_add_elements(haptos_system* system, int body, int64_t count, int nodesPerElement, const int64_t* nodes, const double* Ke) {
   return local(system, [&](ContactSystem& s) {
-    require(count == 0 || (count > 0 && nodesPerElement > 0 && nodes && Ke), "Elements come without nodes or matrices.");
-    for (std::int64_t e = 0; e < count; ++e, nodes += nodesPerElement, Ke += 9 * nodesPerElement * nodesPerElement) {
+    requireArrays(count, nodes && Ke, "Elements", "nodes or matrices");
+    require(count == 0 || nodesPerElement > 0, "Elements come with " + std::to_string(nodesPerElement) + " nodes each; it must be > 0.");
+    const std::int64_t size = 9 * std::int64_t(nodesPerElement) * nodesPerElement;
+    for (std::int64_t e = 0; e < count; ++e, nodes += nodesPerElement, Ke += size) {
       const auto ids = idsOf(nodes, nodesPerElement);
-      const int number = s.addElement(body, Teuchos::arrayViewFromVector(ids), view(Ke, 9 * nodesPerElement * nodesPerElement));
+      const int number = s.addElement(body, Teuchos::arrayViewFromVector(ids), view(Ke, size));
       // One that was refused has no number, and later ones close the gap.
       if (number >= 0) system->nodesOfElement.push_back(nodesPerElement);
     }
@@ -264,7 +265,7 @@ int haptos_add_elements(haptos_system* system, int body, int64_t count, int node
 
 int haptos_prescribe(haptos_system* system, int64_t count, const int64_t* nodes, const int* components, const double* values) {
   return local(system, [&](ContactSystem& s) {
-    require(count == 0 || (count > 0 && nodes && components && values), "Prescribed displacements come without nodes, components or values.");
+    requireArrays(count, nodes && components && values, "Prescribed displacements", "nodes, components or values");
     for (std::int64_t i = 0; i < count; ++i) s.prescribe(nodes[i], components[i], values[i]);
   });
 }
@@ -275,18 +276,23 @@ int haptos_clear_prescribed(haptos_system* system) {
 
 int haptos_add_pairs(haptos_system* system, const haptos_pairs* pairs) {
   return local(system, [&](ContactSystem& s) {
-    require(pairs != nullptr && (pairs->count == 0 || (pairs->count > 0 && pairs->secondary && pairs->normals)), "Pairs come without nodes or normals.");
-    for (int i = 0; i < pairs->count; ++i) s.addPair(pairOf(*pairs, i));
+    require(pairs != nullptr, "Pairs are NULL.");
+    requireArrays(pairs->count, pairs->secondary && pairs->normals, "Pairs", "secondary nodes or normals");
+    requireStarts(*pairs);
+    for (int i = 0; i < pairs->count; ++i) system->pairs = s.addPair(pairOf(*pairs, i)) + 1;
   });
 }
 
 int haptos_clear_pairs(haptos_system* system) {
-  return local(system, [](ContactSystem& s) { s.clearPairs(); });
+  return local(system, [&](ContactSystem& s) {
+    s.clearPairs();
+    system->pairs = 0;
+  });
 }
 
 int haptos_set_loads(haptos_system* system, int64_t count, const int64_t* nodes, const double* forces) {
   return local(system, [&](ContactSystem&) {
-    require(count == 0 || (count > 0 && nodes && forces), "Loads come without nodes or forces.");
+    requireArrays(count, nodes && forces, "Loads", "nodes or forces");
     system->loaded.assign(nodes, nodes + count);
     system->loads.assign(forces, forces + 3 * count);
   });
@@ -294,7 +300,7 @@ int haptos_set_loads(haptos_system* system, int64_t count, const int64_t* nodes,
 
 int haptos_set_gaps(haptos_system* system, int count, const int* pairs, const double* gaps) {
   return local(system, [&](ContactSystem& s) {
-    require(count == 0 || (count > 0 && pairs && gaps), "Gaps come without pairs or values.");
+    requireArrays(count, pairs && gaps, "Gaps", "pairs or values");
     for (int i = 0; i < count; ++i) s.setGap(pairs[i], gaps[i]);
   });
 }
@@ -305,9 +311,10 @@ int haptos_set_friction(haptos_system* system, int interface, const haptos_frict
 
 int haptos_set_stiffness(haptos_system* system, int subdomain, const double* values) {
   return local(system, [&](ContactSystem& s) {
-    require(subdomain >= 0 && subdomain < int(system->matrices.size()) && values != nullptr,
-            "A stiffness is given for subdomain " + std::to_string(subdomain) + "; this rank added " + std::to_string(system->matrices.size()) +
-                ", numbered from 0.");
+    const int added = int(system->matrices.size());
+    require(subdomain >= 0 && subdomain < added, "A stiffness is given for subdomain " + std::to_string(subdomain) + "; this rank added " +
+                                                     std::to_string(added) + ", numbered from 0.");
+    require(values != nullptr, "A stiffness comes without values (NULL).");
     system->matrices[std::size_t(subdomain)].take(values);
     s.updateStiffness();
   });
@@ -315,13 +322,15 @@ int haptos_set_stiffness(haptos_system* system, int subdomain, const double* val
 
 int haptos_set_elements(haptos_system* system, int64_t first, int64_t count, const double* Ke) {
   return local(system, [&](ContactSystem& s) {
-    require(first >= 0 && count >= 0 && first + count <= std::int64_t(system->nodesOfElement.size()) && (Ke || count == 0),
-            "Matrices are given for elements " + std::to_string(first) + " to " + std::to_string(first + count - 1) + "; this rank added " +
-                std::to_string(system->nodesOfElement.size()) + ", numbered from 0.");
+    const auto added = std::int64_t(system->nodesOfElement.size());
+    requireArrays(count, Ke != nullptr, "Elements", "matrices");
+    require(first >= 0 && first <= added - count,
+            "Matrices are given for " + std::to_string(count) + " elements from number " + std::to_string(first) + " on; this rank added " +
+                std::to_string(added) + ", numbered from 0.");
     for (std::int64_t e = first; e < first + count; ++e) {
-      const int size = 9 * system->nodesOfElement[std::size_t(e)] * system->nodesOfElement[std::size_t(e)];
-      s.setElement(int(e), view(Ke, size));
-      Ke += size;
+      const auto nodes = std::int64_t(system->nodesOfElement[std::size_t(e)]);
+      s.setElement(int(e), view(Ke, 9 * nodes * nodes));
+      Ke += 9 * nodes * nodes;
     }
   });
 }
@@ -345,25 +354,32 @@ int haptos_solve(haptos_system* system, haptos_outcome* outcome) {
 }
 
 int haptos_displacements(haptos_system* system, int64_t count, const int64_t* nodes, double* u) {
-  return collective(system, [&](ContactSystem& s) {
+  const auto check = [&] {
+    requireArrays(count, nodes && u, "Nodes whose displacements are asked for", "ids or a place for the values");
     requireSolved(*system);
-    NodeValues(s.map(), {nodes, nodes + count}).read(*system->u, u);
-  });
+  };
+  return collective(system, check, [&](ContactSystem& s) { NodeValues(s.map(), {nodes, nodes + count}).read(*system->u, u); });
 }
 
 int haptos_contact_forces(haptos_system* system, double* forces) {
-  return collective(system, [&](ContactSystem& s) {
+  const auto check = [&] {
     requireSolved(*system);
+    require(forces != nullptr || system->pairs == 0,
+            "Contact forces of " + std::to_string(system->pairs) + " pairs are asked for without a place for them (NULL).");
+  };
+  return collective(system, check, [&](ContactSystem& s) {
     // In the order in which this rank added its pairs, whoever holds their rows.
     for (const auto& force : s.contactForces()) forces = std::copy(force.begin(), force.end(), forces);
   });
 }
 
 int haptos_multipliers(haptos_system* system, int64_t* count, double* values) {
-  if (system == nullptr || count == nullptr) return HAPTOS_INPUT_ERROR;
+  if (system == nullptr) return HAPTOS_INPUT_ERROR;
   return guarded(system->message, [&] {
-    requireSolved(*system);
-    const auto lambda = system->system->multipliers()->getData(0);
+    require(count != nullptr, "Multipliers are asked for without a place for their count (NULL).");
+    const auto found = system->system->multipliers();
+    require(!found.is_null(), "Nothing is solved yet: call haptos_solve first.");
+    const auto lambda = found->getData(0);
     *count = std::int64_t(lambda.size());
     if (values != nullptr) std::copy(lambda.begin(), lambda.end(), values);
   });

@@ -14,6 +14,11 @@ void require(bool holds, const std::string& otherwise) {
   if (!holds) throw InputError(otherwise);
 }
 
+void requireArrays(std::int64_t count, bool areThere, const std::string& things, const std::string& arrays) {
+  require(count >= 0, things + " come with the count " + std::to_string(count) + "; it must be >= 0.");
+  require(count == 0 || areThere, things + " come without " + arrays + " (NULL).");
+}
+
 void GivenMatrix::take(const double* values) {
   K->resumeFill();
   // Columns are added by sums: an entry that the caller lists twice counts twice, as in the matrix itself.

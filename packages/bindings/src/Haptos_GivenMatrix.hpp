@@ -23,5 +23,8 @@ GivenMatrix givenMatrix(const haptos_subdomain& given);
 
 /// \throws InputError(otherwise) unless it holds
 void require(bool holds, const std::string& otherwise);
+/// \brief For counted arrays, none of which is needed for a count of 0.
+/// \throws InputError for a count < 0, or where one of them is missing
+void requireArrays(std::int64_t count, bool areThere, const std::string& things, const std::string& arrays);
 
 }  // namespace Haptos

@@ -10,14 +10,31 @@
    Functions return a status, haptos_message() tells what was wrong.  Nothing is printed, no exception leaves, MPI is never
    aborted.  A system has a communicator of its own: several may be alive at once, on any communicators.
 
-   Collective functions are called by all ranks of the system's communicator and return the same status on all of them.  The others
-   are Local: they copy what they are given, and what is wrong with it (a node that is nowhere, a matrix that is not symmetric) is
-   told to all ranks by the next collective one, which then leaves the system as it was; give it anew and call again.
+   Collective functions are called by all ranks of the system's communicator and return the same status on all of them, also where
+   the arguments of one rank alone are wrong.  The others are Local: they copy what they are given, and return 0 also where
+   something is wrong with it, as a rank that turned back alone would leave the others waiting.  All ranks are told by the next
+   collective function, at the latest by the next haptos_set_up or haptos_solve, once; it does nothing else.  What then is to be
+   given again:
 
-   Nodes are numbered as the caller likes (ids >= 0, not necessarily without gaps); the same id in one body is the same material
-   point.  Bodies and all other numbers count from 0.  Units are the caller's.  The contact law and its signs: [u] = u_secondary -
-   sum of weight x u_primary, [u].n <= gap; the force on the secondary node is -(N n + T1 t1 + T2 t2), N >= 0, and
-   (T1/F1)^2 + (T2/F2)^2 <= N^2 (Coulomb) or (slip bound x area)^2 (Tresca). */
+     refused by the function that was given it (NULL, a count < 0, a number or a component that is nowhere, a subdomain that has a
+     node twice, an element whose node has no place): it was not taken.  Give it again, and nothing else.  Of several mistakes the
+     first of the lowest rank is told; none of them was taken.
+
+     refused by set-up, which looks at matrices, pairs and prescribed values as a whole (a matrix that is not symmetric, or is
+     definite, or has another kernel; an id in two bodies; a pair or a prescribed value at a node that is in no subdomain): it
+     stays, and every set-up refuses it anew, until pairs are cleared (haptos_clear_pairs) or prescribed values are
+     (haptos_clear_prescribed) and given again.  For another matrix or other nodes make a new system.  Loads, gaps and friction
+     need only be set again.
+
+   Nodes are numbered as the caller likes (ids >= 0, not necessarily without gaps).  An id is of one body: in several subdomains
+   or elements of that body it is the same material point, in two bodies it is refused.  Bodies and all other numbers count from
+   0.  Units are the caller's.
+
+   The contact law and its signs: [u] = u_secondary - sum of weight x u_primary, [u].n <= gap; the force on the secondary node is
+   -(N n + T1 t1 + T2 t2), N >= 0, and (T1/F1)^2 + (T2/F2)^2 <= N^2 (Coulomb) or (slip bound x area)^2 (Tresca).  t1 is the axis
+   of the pair projected on the plane orthogonal to n; an axis within 0.1 degrees of n or -n is replaced by x, and where x is
+   there, too, by z; t2 = n x t1.  Friction resists the total slip from the state without loads to that of this solve: no solve
+   remembers the slip of the one before. */
 #ifndef HAPTOS_H
 #define HAPTOS_H
 
@@ -67,11 +84,11 @@ typedef struct haptos_pairs {
   int interface;                 /* from haptos_add_interface */
   int count;
   const int64_t* secondary;      /* [count] ids */
-  const int64_t* primary_starts; /* [count + 1] first primary node of each pair; NULL: one each */
-  const int64_t* primary;        /* [primary_starts[count]] ids; NULL: a rigid obstacle */
+  const int64_t* primary_starts; /* [count + 1] first primary node of each pair: from 0 on, rising; NULL: one each */
+  const int64_t* primary;        /* [primary_starts[count]] ids; NULL: a rigid obstacle for all, primary_starts NULL or all 0 */
   const double* weights;         /* the same; they add up to 1 for every pair; NULL: equal */
   const double* normals;         /* [count][3] outward from the secondary side */
-  const double* axes;            /* [count][3] first principal axis of friction, projected on the tangent plane; NULL: global x */
+  const double* axes;            /* [count][3] first principal axis of friction, see above; not 0; NULL: global x */
   const double* gaps;            /* [count] [length]; NULL: 0 */
   const double* areas;           /* [count] [area] of the nodes, for Tresca's law; NULL: 1 */
 } haptos_pairs;
@@ -107,28 +124,34 @@ HAPTOS_API const char* haptos_message(const haptos_system* system);
 
 /* --- what is solved: Local, but for interfaces, which all ranks add alike and in the same order --- */
 
+/* *interface is its number, -1 where it is refused; may be NULL. */
 HAPTOS_API int haptos_add_interface(haptos_system* system, const char* name, const haptos_friction* friction, int* interface);
-/* *number counts the subdomains of this rank; may be NULL. */
+/* Before set-up.  *number counts the subdomains of this rank that were taken, -1 where this one is refused; may be NULL. */
 HAPTOS_API int haptos_add_subdomain(haptos_system* system, const haptos_subdomain* subdomain, int* number);
-/* Places of the nodes of elements that this rank adds; coordinates [count][3]. */
+/* Places of the nodes of elements that this rank adds; coordinates [count][3], finite.  All of them are taken or none. */
 HAPTOS_API int haptos_add_nodes(haptos_system* system, int64_t count, const int64_t* nodes, const double* coordinates);
-/* Instead of subdomains: elements of one kind, each on one rank; the system cuts them into subdomains.
-   nodes [count][nodes_per_element] ids, Ke [count][3 nodes_per_element][3 nodes_per_element].  Elements of a rank are numbered
-   in the order in which they are added. */
+/* Instead of subdomains, before set-up: elements of one kind, each on one rank; the system cuts them into subdomains.  nodes
+   [count][nodes_per_element] ids, Ke [count][3 nodes_per_element][3 nodes_per_element].  Every element is looked at by itself:
+   one is refused for a node < 0 or without a place on this rank, all are for a body < 0 or after set-up, and none is taken where
+   an argument is wrong (NULL, count < 0, nodes_per_element < 1).  Where some are refused the others stay, those before and those
+   after them: give the missing ones again, not all.  Elements of a rank are numbered in the order in which they are taken; a
+   refused one has no number, and those after it move up. */
 HAPTOS_API int haptos_add_elements(haptos_system* system, int body, int64_t count, int nodes_per_element, const int64_t* nodes,
                                    const double* Ke);
-/* u_component(node) = value, for count of them; once more after a solve: another value. */
+/* u_component(node) = value, for count of them; once more after a solve: another value.  Where some are refused (a component that is
+   not 0, 1 or 2, a value that is not finite) the others stay. */
 HAPTOS_API int haptos_prescribe(haptos_system* system, int64_t count, const int64_t* nodes, const int* components, const double* values);
 HAPTOS_API int haptos_clear_prescribed(haptos_system* system); /* all that this rank prescribed */
-/* Pairs of a rank are numbered in the order in which they are added. */
+/* All of them are taken or none.  Pairs of a rank are numbered in the order in which they are added. */
 HAPTOS_API int haptos_add_pairs(haptos_system* system, const haptos_pairs* pairs);
-HAPTOS_API int haptos_clear_pairs(haptos_system* system); /* of this rank */
+HAPTOS_API int haptos_clear_pairs(haptos_system* system); /* of this rank; numbers begin with 0 again */
 
 /* --- what changes from solve to solve: Local --- */
 
 /* Forces [count][3] on nodes, instead of all that this rank gave before; a node may be named more than once, by any ranks: its
    forces add up. */
 HAPTOS_API int haptos_set_loads(haptos_system* system, int64_t count, const int64_t* nodes, const double* forces);
+/* gaps [count] [length] of this rank's pairs [count], by number.  Where some are refused (a number that is nowhere) the others stay. */
 HAPTOS_API int haptos_set_gaps(haptos_system* system, int count, const int* pairs, const double* gaps);
 HAPTOS_API int haptos_set_friction(haptos_system* system, int interface, const haptos_friction* friction); /* all ranks alike */
 /* Other entries for one of this rank's subdomains, in the order of its CSR columns. */
@@ -143,12 +166,13 @@ HAPTOS_API int haptos_set_up(haptos_system* system);
 /* outcome may be NULL. */
 HAPTOS_API int haptos_solve(haptos_system* system, haptos_outcome* outcome);
 
-/* Displacements [count][3] of any nodes, after a solve.  Collective; ranks may ask for different nodes. */
+/* Displacements u [count][3] of any nodes [count], after a solve.  Collective; ranks may ask for different nodes, or none. */
 HAPTOS_API int haptos_displacements(haptos_system* system, int64_t count, const int64_t* nodes, double* u);
-/* (N, T1, T2) of the pairs that this rank added [pairs][3], after a solve.  Collective. */
+/* (N, T1, T2) of the pairs that this rank added, forces [pairs][3], after a solve and before pairs are added or cleared.  Collective;
+   a rank without pairs may give NULL. */
 HAPTOS_API int haptos_contact_forces(haptos_system* system, double* forces);
 /* All multipliers that this rank has (contact forces, gluing forces, reactions) by row: how many, and where values is not NULL
-   the values.  Local, after a solve. */
+   the values.  Local, after a solve; before one it returns HAPTOS_INPUT_ERROR at once. */
 HAPTOS_API int haptos_multipliers(haptos_system* system, int64_t* count, double* values);
 HAPTOS_API int haptos_count(haptos_system* system, haptos_counters* counters); /* Collective */
 

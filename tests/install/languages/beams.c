@@ -277,16 +277,112 @@ static void try_mistakes(scene* s) {
   CHECK(differs(s->system, field, 1) < 1e-9);
 }
 
+/* One rank's; all hear of it, and the call after it works. */
+static void refused(haptos_system* s, const char* text) {
+  CHECK(haptos_set_up(s) == HAPTOS_INPUT_ERROR && says(s, text) && haptos_set_up(s) == HAPTOS_OK);
+}
+
+/* Counts and arrays of one rank that do not fit: of functions that write values, and of those that take them. */
+static void try_arguments(scene* s) {
+  static double forces[(NX + 1) * (M + 1)][3];
+  double u[3] = {0, 0, 0};
+  const int64_t node = id(1, NX, 0, M);
+  const int last = rank == size - 1, zero = 0; /* it has the pairs */
+  int64_t count = 0;
+  CHECK(haptos_displacements(s->system, last ? -1 : 0, NULL, NULL) == HAPTOS_INPUT_ERROR && says(s->system, "count -1"));
+  CHECK(haptos_displacements(s->system, last, &node, last ? NULL : u) == HAPTOS_INPUT_ERROR && says(s->system, "NULL"));
+  CHECK(haptos_displacements(s->system, last, last ? NULL : &node, u) == HAPTOS_INPUT_ERROR && says(s->system, "NULL"));
+  CHECK(haptos_displacements(s->system, last, &node, u) == HAPTOS_OK && (fabs(u[2]) > 0) == last);
+  CHECK(haptos_contact_forces(s->system, NULL) == HAPTOS_INPUT_ERROR && says(s->system, "45 pairs"));
+  CHECK(haptos_contact_forces(s->system, last ? &forces[0][0] : NULL) == HAPTOS_OK && (forces[NX][0] > 0) == last);
+  CHECK(haptos_multipliers(s->system, NULL, NULL) == HAPTOS_INPUT_ERROR && says(s->system, "NULL"));
+  CHECK(haptos_multipliers(s->system, &count, NULL) == HAPTOS_OK);
+  if (rank == 0) CHECK(haptos_set_gaps(s->system, -1, &zero, u) == HAPTOS_OK);
+  refused(s->system, "Gaps come with the count -1");
+  if (rank == 0) CHECK(haptos_set_loads(s->system, -2, &node, u) == HAPTOS_OK);
+  refused(s->system, "Loads come with the count -2");
+  if (rank == 0) CHECK(haptos_prescribe(s->system, -3, &node, &zero, u) == HAPTOS_OK);
+  refused(s->system, "Prescribed displacements come with the count -3");
+  if (rank == 0) CHECK(haptos_add_nodes(s->system, -4, &node, u) == HAPTOS_OK);
+  refused(s->system, "Nodes come with the count -4");
+  if (rank == 0) CHECK(haptos_add_elements(s->system, 0, -5, 8, &node, u) == HAPTOS_OK);
+  refused(s->system, "Elements come with the count -5");
+  if (rank == 0) CHECK(haptos_set_elements(s->system, 0, -6, u) == HAPTOS_OK);
+  refused(s->system, "Elements come with the count -6");
+}
+
+/* Pairs of the upper beam's end: none of those that are refused may become a rigid obstacle. */
+static void try_starts(scene* s) {
+  const int64_t secondary[2] = {id(1, NX, 0, M), id(1, NX, 1, M)}, primary[2] = {id(0, NX, 0, M), id(0, NX, 1, M)};
+  const int64_t wrong[4][3] = {{0, 2, 1}, {1, 1, 2}, {-1, 0, 1}, {0, 0, 2}};
+  const char* text[4] = {"begin with 0 and not fall", "begin with 0 and not fall", "begin with 0 and not fall", "Pair 0"};
+  const double normals[6] = {1, 0, 0, 1, 0, 0};
+  haptos_pairs pairs = {0, 2, secondary, NULL, primary, NULL, normals, NULL, NULL, NULL};
+  for (int w = 0; w < 4; ++w) {
+    pairs.primary_starts = wrong[w];
+    if (rank == 0) CHECK(haptos_add_pairs(s->system, &pairs) == HAPTOS_OK);
+    refused(s->system, text[w]);
+  }
+  pairs.primary = NULL;
+  if (rank == 0) CHECK(haptos_add_pairs(s->system, &pairs) == HAPTOS_OK);
+  refused(s->system, "primary is NULL");
+  pairs.count = -1;
+  if (rank == 0) CHECK(haptos_add_pairs(s->system, &pairs) == HAPTOS_OK);
+  refused(s->system, "Pairs come with the count -1");
+  solve(s->system);
+  CHECK(differs(s->system, field, 1) < 1e-9);
+}
+
+/* What is refused has no number, and what comes after it is numbered as if it had not been there. */
+static void try_numbers(void) {
+  haptos_system *s, *cut;
+  cube* c = make_cube(0, 0);
+  const haptos_friction unknown = {9, {0, 0}, 0};
+  double K[3][24][24];
+  int64_t nodes[3][8];
+  int number = 7;
+  CHECK(haptos_create(MPI_COMM_SELF, NULL, &s) == HAPTOS_OK && haptos_create(MPI_COMM_SELF, NULL, &cut) == HAPTOS_OK);
+  CHECK(haptos_add_interface(s, "a", &unknown, &number) == HAPTOS_OK && number == -1);
+  CHECK(haptos_set_up(s) == HAPTOS_INPUT_ERROR && says(s, "laws are 0"));
+  CHECK(haptos_add_interface(s, "a", &coulomb, &number) == HAPTOS_OK && number == 0);
+  c->view.kernel_columns = 6;
+  CHECK(haptos_add_subdomain(s, &c->view, &number) == HAPTOS_OK && number == -1);
+  CHECK(haptos_set_up(s) == HAPTOS_INPUT_ERROR && says(s, "kernel"));
+  c->view.kernel_columns = 0;
+  c->nodes[1] = c->nodes[0];
+  CHECK(haptos_add_subdomain(s, &c->view, &number) == HAPTOS_OK && number == -1);
+  CHECK(haptos_set_up(s) == HAPTOS_INPUT_ERROR && says(s, "twice"));
+  c->nodes[1] = id(0, 1, 0, 0);
+  CHECK(haptos_add_subdomain(s, &c->view, &number) == HAPTOS_OK && number == 0 && haptos_set_up(s) == HAPTOS_OK);
+  CHECK(haptos_set_stiffness(s, 0, c->values) == HAPTOS_OK && haptos_set_up(s) == HAPTOS_OK);
+  CHECK(haptos_set_stiffness(s, 1, c->values) == HAPTOS_OK);
+  refused(s, "this rank added 1,");
+  for (int e = 0; e < 3; ++e) {
+    brick(steel, K[e]);
+    for (int n = 0; n < 8; ++n) nodes[e][n] = e == 1 ? 999999 : id(0, e / 2 + (n & 1), n >> 1 & 1, n >> 2);
+  }
+  CHECK(haptos_add_nodes(cut, HALF, c->nodes, &c->coordinates[0][0]) == HAPTOS_OK);
+  CHECK(haptos_add_elements(cut, 0, 3, 8, &nodes[0][0], &K[0][0][0]) == HAPTOS_OK); /* the second has no place, the others stay */
+  CHECK(haptos_set_up(cut) == HAPTOS_INPUT_ERROR && says(cut, "999999") && haptos_set_up(cut) == HAPTOS_OK);
+  CHECK(haptos_set_elements(cut, 0, 2, &K[0][0][0]) == HAPTOS_OK && haptos_set_up(cut) == HAPTOS_OK);
+  CHECK(haptos_set_elements(cut, 1, 2, &K[0][0][0]) == HAPTOS_OK);
+  refused(cut, "this rank added 2,");
+  CHECK(haptos_destroy(&s) == HAPTOS_OK && haptos_destroy(&cut) == HAPTOS_OK);
+  free(c);
+}
+
 /* A limit that is hit; a body that nothing holds. */
 static void try_other_ends(void) {
   haptos_system* s;
   haptos_outcome outcome;
   cube* c = make_cube(0, 0);
   const int64_t corner = id(0, 0, 0, 0);
+  int64_t count = 0;
   const double force[3] = {1, 0, 0};
   CHECK(haptos_create(MPI_COMM_WORLD, NULL, &s) == HAPTOS_OK);
   if (rank == 0) CHECK(haptos_add_subdomain(s, &c->view, NULL) == HAPTOS_OK);
   CHECK(haptos_displacements(s, 0, NULL, NULL) == HAPTOS_INPUT_ERROR && says(s, "haptos_solve"));
+  CHECK(haptos_multipliers(s, &count, NULL) == HAPTOS_INPUT_ERROR && says(s, "haptos_solve"));
   if (rank == 0) haptos_set_loads(s, 1, &corner, force);
   CHECK(haptos_solve(s, &outcome) == HAPTOS_NO_SOLUTION && strlen(haptos_message(s)) > 20);
   CHECK(haptos_destroy(&s) == HAPTOS_OK);
@@ -317,6 +413,9 @@ int main(int argc, char** argv) {
   MPI_Comm_free(&half);
 
   try_mistakes(&whole);
+  try_arguments(&whole);
+  try_starts(&whole);
+  try_numbers();
   try_changes(&whole);
   try_other_ends();
   drop(&whole);

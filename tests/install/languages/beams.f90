@@ -34,6 +34,7 @@ contains
     if (rank == 0) call set_loads()
     call try_mistake()
     call check(haptos_solve(system, outcome))
+    call read_multipliers()
     call get_command_argument(1, file)
     call write_field()
     if (rank == 0) print "(a, i0, a, i0, a)", "Fortran on ", ranks, " ranks: solved in ", outcome%multiplications, &
@@ -175,6 +176,21 @@ contains
     status = haptos_set_up(system)
     if (status == haptos_input_error .and. index(haptos_text(system), "Component 7") > 0) return
     print *, "a wrong component was not refused:", status, haptos_text(system)
+    call MPI_Abort(MPI_COMM_WORLD, 1, error)
+  end subroutine
+
+  !> How many, and then all of them: the beams press on each other.
+  subroutine read_multipliers()
+    integer(c_int64_t) :: count
+    real(c_double), allocatable, target :: values(:)
+    real(c_double) :: largest, all
+    call check(haptos_multipliers(system, count, c_null_ptr))
+    allocate (values(count))
+    call check(haptos_multipliers(system, count, c_loc(values)))
+    largest = maxval(abs([0d0, values]))
+    call MPI_Allreduce(largest, all, 1, MPI_DOUBLE_PRECISION, MPI_MAX, comm, error)
+    if (all > 0 .and. size(values) == count) return
+    print *, "there are no multipliers:", count, all
     call MPI_Abort(MPI_COMM_WORLD, 1, error)
   end subroutine
 

@@ -97,6 +97,51 @@ slippery = system.displacements(ids)
 assert not same(slippery, u / 4, 1e-4)
 assert np.abs(system.contact_forces()[:, 1:]).max(initial=0) == 0
 
+# Values of the wrong shape or kind are refused at once, on the rank that gives them, and take nothing.
+for other in (np.ones((1, 1, 1)), np.ones((1, 3, 3)), np.ones((1, 30, 30)), np.ones((1, 24, 23))):
+    if rank < 2:  # there are two beams, so that others have no elements
+        refused(ValueError, "Ke of elements from 0 on", lambda: system.set_elements(0, other))
+refused(ValueError, "nodes must be whole", lambda: system.prescribe([1.7], [0], 1.0))
+refused(ValueError, "components must be whole", lambda: system.prescribe([1], [0.9], 1.0))
+refused(ValueError, "components must be whole", lambda: system.prescribe([1], [2**40], 1.0))
+refused(ValueError, "nodes must be whole", lambda: system.set_loads([np.nan], np.zeros((1, 3))))
+refused(ValueError, "interface must be whole", lambda: system.add_pairs(0.5, [1], None, (0, 0, -1)))
+refused(ValueError, "weights", lambda: system.add_pairs(0, [1], None, (0, 0, -1), weights=[1.0]))
+refused(ValueError, "primary", lambda: system.add_pairs(0, [1, 2], np.zeros((2, 0), int), (0, 0, -1)))
+refused(ValueError, "set_up", lambda: system.add_elements(0, lower.ids, lower.coordinates, lower.connectivity, lower.K))
+refused(TypeError, "NoneType", lambda: haptos.ContactSystem({"Solver": {"Relative Tolerance": None}}))
+assert system.solve().solved and same(system.displacements([float(n) for n in ids]), slippery)
+assert system.contact_forces().shape == (len(contact), 3)
+
+# Numbers are those of what was taken; numpy's scalars are parameters, too.
+with haptos.ContactSystem({"Solver": {"Relative Tolerance": np.float64(1e-8), "Maximum Hessian Multiplications": np.int64(500)},
+                           "Decomposition": {"Subdomains": np.int32(2)}}) as counted_alone:
+    starts, columns, values = merged(lower)
+    nowhere = columns.copy()
+    nowhere[5] = 10**6
+    assert counted_alone.add_subdomain(0, lower.ids, lower.coordinates, (starts, nowhere, values)) == -1
+    refused(haptos.InputError, "column 1000000", counted_alone.set_up)
+    assert counted_alone.add_subdomain(0, lower.ids[[0] + list(range(len(lower.ids) - 1))], lower.coordinates, (starts, columns, values)) == -1
+    refused(haptos.InputError, "twice", counted_alone.set_up)
+    assert counted_alone.add_subdomain(np.int64(0), lower.ids, lower.coordinates, (starts, columns, values)) == 0
+    counted_alone.set_up()
+    refused(ValueError, "values", lambda: counted_alone.set_stiffness(0, values[:-1]))
+    counted_alone.set_stiffness(1, values)
+    refused(haptos.InputError, "this rank added 1,", counted_alone.set_up)
+    counted_alone.set_stiffness(0, values)
+    counted_alone.set_up()
+with haptos.ContactSystem() as cut:
+    few, k = lower.connectivity[:2], lower.K
+    refused(ValueError, "among the nodes", lambda: cut.add_elements(0, lower.ids[:1], lower.coordinates[:1], few, k))
+    refused(ValueError, "bodies", lambda: cut.add_elements(-1, lower.ids, lower.coordinates, few, k))
+    refused(ValueError, "finite", lambda: cut.add_elements(0, lower.ids, lower.coordinates * np.nan, few, k))
+    assert cut.add_elements(0, lower.ids, lower.coordinates, few, k) == 0
+    assert cut.add_elements(0, [], np.zeros((0, 3)), lower.connectivity[2:], k) == 2  # places of before
+    cut.set_elements(1, np.tile(k, (2, 1, 1)))
+    cut.set_up()
+    cut.set_elements(len(lower.connectivity) - 1, np.tile(k, (2, 1, 1)))
+    refused(haptos.InputError, f"this rank added {len(lower.connectivity)},", cut.set_up)
+
 # Mistakes, and the call after them.
 refused(ValueError, "coordinates", lambda: system.add_subdomain(0, [1, 2], np.zeros((3, 3)), None))
 with haptos.ContactSystem() as wrong:
