@@ -20,6 +20,7 @@ Needs the Python packages numpy, netCDF4 and gmsh (the last one needs libGL and 
 As a module: from_gmsh() converts the current gmsh model; haptos_exodus writes it.
 """
 import argparse
+import pathlib
 import sys
 from dataclasses import dataclass
 
@@ -353,6 +354,8 @@ def convert(options):
     for surface, equals, block in pairs:
         if not (surface and equals and block):
             raise MeshError(f"--side-of wants SURFACE=BLOCK, not '{surface + equals + block}'")
+    if pathlib.Path(options.output).resolve() == pathlib.Path(options.input).resolve():
+        raise MeshError(f"'{options.output}' is the input, too; name another file to write")
     gmsh.initialize(interruptible=False)
     try:
         gmsh.option.setNumber("General.Terminal", 0)

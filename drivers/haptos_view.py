@@ -177,7 +177,16 @@ def aim(plotter, view):
     plotter.camera.zoom(0.84)
 
 
+def require_picture(path):
+    """Before anything is drawn, which takes seconds."""
+    if path.suffix.lower() != ".png":
+        raise ViewError(f"--output must end in .png, not '{path}'")
+    if not path.parent.is_dir():
+        raise ViewError(f"there is no folder '{path.parent}' for --output")
+
+
 def draw(options):
+    require_picture(pathlib.Path(options.output))
     blocks = read_blocks(options.input, options.step)
     for name in options.block:
         if name not in blocks:
