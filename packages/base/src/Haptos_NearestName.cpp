@@ -24,6 +24,11 @@ bool isPartOf(const std::string& a, const std::string& b) {
   return s.find(t) != std::string::npos || t.find(s) != std::string::npos;
 }
 
+// A part of a name is as good as two mistakes: "Tolerance" is nearer to "Relative Tolerance" than letters tell.
+int mistakes(const std::string& name, const std::string& candidate) {
+  return isPartOf(name, candidate) ? std::min(2, nameDistance(name, candidate)) : nameDistance(name, candidate);
+}
+
 }  // namespace
 
 // Letters to insert, leave out, exchange or swap with their neighbour.
@@ -45,13 +50,17 @@ int nameDistance(const std::string& a, const std::string& b) {
   return row[t.size()];
 }
 
-// A part of a name is as good as two mistakes: "Tolerance" is nearer to "Relative Tolerance" than letters tell.
+std::string suggestion(const std::string& name, const std::vector<std::string>& candidates) {
+  const std::string nearest = nearestName(name, candidates);
+  const auto longest = std::max(plainName(name).size(), plainName(nearest).size());
+  return nearest.empty() || 2 * std::size_t(mistakes(name, nearest)) >= longest ? "." : "; did you mean '" + nearest + "'?";
+}
+
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates) {
   std::string nearest;
   int smallest = std::numeric_limits<int>::max();
   for (const auto& candidate : candidates) {
-    const int distance = isPartOf(name, candidate) ? std::min(2, nameDistance(name, candidate))
-                                                   : nameDistance(name, candidate);
+    const int distance = mistakes(name, candidate);
     if (distance >= smallest) continue;
     smallest = distance;
     nearest = candidate;

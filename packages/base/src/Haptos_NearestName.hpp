@@ -17,6 +17,9 @@ int nameDistance(const std::string& a, const std::string& b);
 /// A name that is a part of the other counts as two edits: "Tolerance" is near "Relative Tolerance".
 std::string nearestName(const std::string& name, const std::vector<std::string>& candidates);
 
+/// \brief "; did you mean 'Output'?" for the nearest candidate, or "." where half of the letters of the longer name would be mistakes.
+std::string suggestion(const std::string& name, const std::vector<std::string>& candidates);
+
 /// \brief "a, b, c"; with quotes "'a', 'b', 'c'".
 std::string joinNames(const std::vector<std::string>& names, const std::string& separator = ", ",
                       const std::string& quote = "");

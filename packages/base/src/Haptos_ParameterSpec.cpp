@@ -33,8 +33,7 @@ void checkWord(const ParameterSpec& spec, const std::string& path, const std::st
   if (!spec.mayBeEmpty && trimmed(value).empty()) refuse(path, "must not be empty: " + spec.meaning);
   if (spec.choices.empty()) return;
   if (std::find(spec.choices.begin(), spec.choices.end(), value) != spec.choices.end()) return;
-  refuse(path, "'" + value + "' is not valid; did you mean '" + nearestName(value, spec.choices) +
-                   "'? Valid: " + joinNames(spec.choices));
+  refuse(path, "'" + value + "' is not valid" + suggestion(value, spec.choices) + " Valid: " + joinNames(spec.choices));
 }
 
 /// Checks every entry of a value; overloads for the alternatives of ParameterValue.
@@ -160,7 +159,7 @@ void requireKnownNames(const ParameterList& list, const std::vector<std::string>
   for (auto it = list.begin(); it != list.end(); ++it)
     if (std::find(names.begin(), names.end(), list.name(it)) == names.end())
       refuse(joinPath(path, list.name(it)),
-             "unknown parameter; did you mean '" + nearestName(list.name(it), names) + "'? Valid here: " + joinNames(names));
+             "unknown parameter" + suggestion(list.name(it), names) + " Valid here: " + joinNames(names));
 }
 
 // Both names in one list would leave it open which counts.

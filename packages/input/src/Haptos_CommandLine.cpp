@@ -51,8 +51,7 @@ void applyFlag(CommandLine& line, const std::string& option) {
 [[noreturn]] void refuseOption(const std::string& option) {
   auto valid = valueOptions;
   valid.insert(valid.end(), flagOptions.begin(), flagOptions.end());
-  throw InputError("unknown option '" + option + "'; did you mean '" + nearestName(option, valid) +
-                   "'? Valid: " + joinNames(valid));
+  throw InputError("unknown option '" + option + "'" + suggestion(option, valid) + " Valid: " + joinNames(valid));
 }
 
 void setInput(CommandLine& line, const std::string& name) {

@@ -31,8 +31,7 @@ using Teuchos::ParameterList;
   const auto valid = tree.validNames();
   auto ofItsKind = isSublist ? tree.sublistNames() : tree.parameterNames();
   if (ofItsKind.empty()) ofItsKind = valid;
-  refuse(path, std::string("unknown ") + (isSublist ? "sublist" : "parameter") + "; did you mean '" +
-                   nearestName(name, ofItsKind) + "'? Valid here: " + joinNames(valid));
+  refuse(path, std::string("unknown ") + (isSublist ? "sublist" : "parameter") + suggestion(name, ofItsKind) + " Valid here: " + joinNames(valid));
 }
 
 // A name that is not known is never passed over: a misspelt parameter would leave its default in force.

@@ -80,8 +80,7 @@ void checkContent(const XMLObject& element, const std::string& where) {
 std::string nameOf(const XMLObject& entry, const std::string& listPath) {
   const std::string where = listPath.empty() ? "the input" : listPath;
   if (entry.getTag() != tagNames[0] && entry.getTag() != tagNames[1])
-    throw InputError(where + ": unknown tag <" + entry.getTag() + ">; did you mean <" +
-                     nearestName(entry.getTag(), tagNames) + ">?");
+    throw InputError(where + ": unknown tag <" + entry.getTag() + ">; valid are <" + joinNames(tagNames, "> and <") + ">");
   checkAttributes(entry, where, {"name"});
   const std::string name = trimmed(entry.getAttribute("name"));
   if (name.empty()) throw InputError(where + ": a <" + entry.getTag() + "> has an empty name");
@@ -99,8 +98,7 @@ void readParameter(const XMLObject& entry, ParameterList& list, const std::strin
   const auto type = typeFromName(typeText);
   if (!type) {
     const auto& types = typeNames();
-    throw InputError(path + ": type '" + typeText + "' is not valid; did you mean '" +
-                     nearestName(typeText, types) + "'? Valid: " + joinNames(types));
+    throw InputError(path + ": type '" + typeText + "' is not valid" + suggestion(typeText, types) + " Valid: " + joinNames(types));
   }
   const auto value = parseValue(valueText, *type);
   if (!value) throw InputError(path + ": the value '" + valueText + "' is not of type " + typeName(*type));

@@ -182,6 +182,12 @@ TEUCHOS_UNIT_TEST(NearestName, CountsEditsOfThePlainNames) {
   TEST_EQUALITY(nearestName("--ouput", {"--summary", "--output"}), "--output");
   TEST_EQUALITY(nearestName("Tolerance", {"Method", "SMALSE", "Relative Tolerance"}), "Relative Tolerance");
   TEST_EQUALITY(nearestName("x", {}), "");
+  TEST_EQUALITY(suggestion("--ouput", {"--summary", "--output"}), "; did you mean '--output'?");
+  TEST_EQUALITY(suggestion("Tolerance", {"Method", "SMALSE", "Relative Tolerance"}), "; did you mean 'Relative Tolerance'?");
+  TEST_EQUALITY(suggestion("Density", {"Element Blocks", "Poisson's Ratio"}), ".");
+  TEST_EQUALITY(suggestion("Load History", {"Local Solver", "Solver"}), ".");
+  TEST_EQUALITY(suggestion("float", {"int", "double"}), ".");
+  TEST_EQUALITY(suggestion("x", {}), ".");
 }
 
 }  // namespace

@@ -100,9 +100,9 @@ void FetiSystem::factor(const LocalSolverOptions& options, std::optional<Precond
   kind_ = preconditioner;
   localMethod_ = options.method;
   SurfaceOperators surface(kind_.value_or(PreconditionerKind::Dirichlet), localMethod_);
-  const double mayUse = 0.5 * physicalMemoryBytes() / ranksOfMachine(*model_.comm);
+  mayUse_ = leastOfAll(*model_.comm, 0.5 * physicalMemoryBytes() / ranksOfMachine(*model_.comm));
   runOnAllRanks(*model_.comm, [&] {
-    systems_->factor(*touched_, localMethod_, options.dual, mayUse, [&](int) {
+    systems_->factor(*touched_, localMethod_, options.dual, mayUse_, [&](int) {
       if (kind_ && !model_.softened) surface.add(*systems_, *touched_);
     });
   });
@@ -206,15 +206,24 @@ bool FetiSystem::hasSpectra(int largestSpectrum) const {
   return kind_ == PreconditionerKind::Dirichlet && largestBoundary_ <= largestSpectrum && G_->dimension() <= DeflatedMotions::kMostRigid;
 }
 
-// Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
+// M between contact rows is dense where subdomains are slender (decisions/016), the same on all ranks, with its factor and its inverse.
+bool FetiSystem::mayContactBeDense() const {
+  constexpr double kBytes = 4 * sizeof(double);
+  const double rows = 3 * double(model_.multipliers->numPairs());
+  return kBytes * rows * rows <= mayUse_;
+}
+
+// Where that has no place slender subdomains have the spectral modes of others.  Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
 // volume.
 RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions::Spectra& spectra) const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
   SurfaceOperators surface(*kind_, localMethod_, std::vector<char>(slender_.size(), 1));
-  const bool isSoftened = model_.softened && (anySlender_ || !hasSpectra(spectra.largestBoundary));
+  const bool areSlender = anySlender_ && mayContactBeDense();
+  const bool isSoftened = model_.softened && (areSlender || !hasSpectra(spectra.largestBoundary));
   const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
-  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), slender_, spectra);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), areSlender ? slender_ : std::vector<char>(slender_.size(), 0),
+                                     spectra);
 }
 
 // Of the stiffness that M has.

@@ -82,6 +82,7 @@ class FetiSystem {
   void findSlender();
   void findLargestBoundary();
   bool hasSpectra(int largestSpectrum) const;
+  bool mayContactBeDense() const;
   void makePreconditioner(SurfaceOperators surface);
   RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense,
                                         const std::function<void(const LocalSystems&, int congruenceClass)>& use = {}) const;
@@ -104,6 +105,7 @@ class FetiSystem {
   bool anySlender_ = false;
   bool areFlat_ = false;  // most subdomains of all ranks
   int largestBoundary_ = 0;
+  double mayUse_ = 0;  // bytes of a rank, the same on all
 };
 
 }  // namespace Haptos
