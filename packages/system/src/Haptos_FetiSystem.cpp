@@ -213,8 +213,8 @@ bool FetiSystem::mayContactBeDense() const {
   return kBytes * rows * rows <= mayUse_;
 }
 
-// Where that has no place slender subdomains have the spectral modes of others.  Of the true K where spectral modes take up what a capped Poisson's ratio is for: motions whose copies cannot be moved apart without a change of
-// volume.
+// Where that has no place slender subdomains have the spectral modes of others.  Of the true K where spectral modes take up what a capped
+// Poisson's ratio is for: motions whose copies cannot be moved apart without a change of volume.
 RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions::Spectra& spectra) const {
   if (kind_ != PreconditionerKind::Dirichlet) return {};
   // Soft motions live in the last digits of S, and G M = 0 asks for all of them.
@@ -222,8 +222,8 @@ RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions
   const bool areSlender = anySlender_ && mayContactBeDense();
   const bool isSoftened = model_.softened && (areSlender || !hasSpectra(spectra.largestBoundary));
   const auto systems = assembleAgain(isSoftened ? model_.softened : model_.stiffness, surface, false);
-  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), areSlender ? slender_ : std::vector<char>(slender_.size(), 0),
-                                     spectra);
+  const std::vector<char> none(slender_.size(), 0);
+  return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), areSlender ? slender_ : none, spectra);
 }
 
 // Of the stiffness that M has.
