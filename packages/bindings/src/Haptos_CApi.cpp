@@ -278,7 +278,7 @@ int haptos_add_pairs(haptos_system* system, const haptos_pairs* pairs) {
   return local(system, [&](ContactSystem& s) {
     require(pairs != nullptr, "Pairs are NULL.");
     requireArrays(pairs->count, pairs->secondary && pairs->normals, "Pairs", "secondary nodes or normals");
-    requireStarts(*pairs);
+    requirePrimaryNodes(*pairs);
     for (int i = 0; i < pairs->count; ++i) system->pairs = s.addPair(pairOf(*pairs, i)) + 1;
   });
 }

@@ -14,6 +14,10 @@ void require(bool holds, const std::string& otherwise) {
   if (!holds) throw InputError(otherwise);
 }
 
+void requireStarts(const std::int64_t* starts, std::int64_t count, const std::string& what) {
+  require(starts[0] == 0 && std::is_sorted(starts, starts + count + 1), what + " must begin with 0 and not fall.");
+}
+
 void requireArrays(std::int64_t count, bool areThere, const std::string& things, const std::string& arrays) {
   require(count >= 0, things + " come with the count " + std::to_string(count) + "; it must be >= 0.");
   require(count == 0 || areThere, things + " come without " + arrays + " (NULL).");
@@ -32,8 +36,7 @@ GivenMatrix givenMatrix(const haptos_subdomain& given) {
   const std::int64_t rows = 3 * std::int64_t(given.num_nodes);
   require(given.num_nodes > 0 && given.nodes && given.coordinates && given.row_starts && given.columns && given.values,
           "A subdomain lacks nodes, coordinates or a matrix.");
-  require(given.row_starts[0] == 0 && std::is_sorted(given.row_starts, given.row_starts + rows + 1),
-          "The row starts of a subdomain's matrix must begin with 0 and not fall.");
+  requireStarts(given.row_starts, rows, "The row starts of a subdomain's matrix");
   GivenMatrix matrix{{given.row_starts, given.row_starts + rows + 1}, {given.columns, given.columns + given.row_starts[rows]}, {}};
   for (auto column : matrix.columns)
     require(column >= 0 && column < rows, "A subdomain's matrix has column " + std::to_string(column) + "; it has " + std::to_string(rows) +

@@ -23,6 +23,9 @@ GivenMatrix givenMatrix(const haptos_subdomain& given);
 
 /// \throws InputError(otherwise) unless it holds
 void require(bool holds, const std::string& otherwise);
+/// \brief For where each of `count` lists begins in an array, and the last one ends.
+/// \throws InputError unless they begin with 0 and do not fall
+void requireStarts(const std::int64_t* starts, std::int64_t count, const std::string& what);
 /// \brief For counted arrays, none of which is needed for a count of 0.
 /// \throws InputError for a count < 0, or where one of them is missing
 void requireArrays(std::int64_t count, bool areThere, const std::string& things, const std::string& arrays);

@@ -127,6 +127,8 @@ std::string BodyMotions::describe(const Eigen::VectorXd& y, double negligible, M
   return "body '" + names_[body] + "': " + describeRigidMotion({m.head<3>(), m.tail<3>() / size_[body], centre_[body], size_[body]}, sense);
 }
 
+std::string BodyMotions::describeDriven(const Eigen::VectorXd& y) const { return describe(y, 0.05, MotionSense::AsGiven); }
+
 Eigen::SparseVector<double> BodyMotions::hold(int motion) const {
   Eigen::SparseVector<double> w(Z_.rows());
   const auto [begin, end] = first_[std::size_t(columns_[std::size_t(motion)].body)];
@@ -195,14 +197,18 @@ CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bo
   return holds;
 }
 
-// With Y a basis of the unheld motions, Y^T Z^T e is the work of the loads on them: it must vanish, or no equilibrium exists.
+// With Y a basis of the unheld motions, Y^T Z^T e is the work of the loads on them.
+Eigen::VectorXd drivenMotion(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e) {
+  const Eigen::MatrixXd& Y = unheld.basis;
+  return Y * solveByLdlt(Y.transpose() * Y, Y.transpose() * (bodies.Z().transpose() * e));
+}
+
+// That work must vanish, or no equilibrium exists; where it does not the motion is named that the loads drive.
 void requireBalance(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e, double loadScale) {
   constexpr double kBalanced = 1e-9;
-  const Eigen::VectorXd resultant = bodies.Z().transpose() * e;
-  Eigen::VectorXd work = unheld.basis.transpose() * resultant;
-  // Loads that do work on a free motion: name the motion that they drive.
-  const Eigen::VectorXd driven = unheld.basis * solveByLdlt(unheld.basis.transpose() * unheld.basis, work);
-  if (work.size() > 0 && driven.norm() > kBalanced * loadScale)
+  if (unheld.basis.cols() == 0) return;
+  const Eigen::VectorXd driven = drivenMotion(unheld, bodies, e);
+  if (driven.norm() > kBalanced * loadScale)
     throw InsufficientModel("The model has no solution: " + bodies.describe(driven) +
                             " is held by nothing, and the loads drive it (resultant " + formatted("%g", driven.norm()) +
                             "). Fix the body by a Displacement condition or give it a contact that can carry the load.");

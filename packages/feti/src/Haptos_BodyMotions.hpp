@@ -30,13 +30,15 @@ class BodyMotions {
   int numBodies() const { return int(names_.size()); }
 
   /// \brief "body 'upper': translation along (1, 0, 0)" for the body that moves most in y [motions].
-  /// \param negligible rotations that move no node by this part of the translation are not named
-  std::string describe(const Eigen::VectorXd& y, double negligible = 0, MotionSense sense = MotionSense::Either) const;
+  std::string describe(const Eigen::VectorXd& y) const { return describe(y, 0, MotionSense::Either); }
+  /// \brief The same of a motion that loads drive: with its sense, and without a rotation that moves no node by a twentieth of the translation.
+  std::string describeDriven(const Eigen::VectorXd& y) const;
 
   /// \brief One coarse vector that acts on a motion, a column of Z, in its body's first subdomain alone.
   Eigen::SparseVector<double> hold(int motion) const;
 
  private:
+  std::string describe(const Eigen::VectorXd& y, double negligible, MotionSense sense) const;
   struct Sums;
   Sums sumUp(const NaturalCoarseSpace& G, const LocalSystems& systems, const std::vector<int>& bodies) const;
   void findFirst(const NaturalCoarseSpace& G, const std::vector<int>& bodies);
@@ -70,6 +72,9 @@ UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& rows
 
 /// \brief Holds for `CoarseProblem`, one for every unheld motion.
 CoarseProblem::Holds holdsFor(const UnheldMotions& unheld, const BodyMotions& bodies);
+
+/// \brief The part of the loads that unheld motions feel, as one of these motions [motions]: what the loads drive.  \param e R^T f
+Eigen::VectorXd drivenMotion(const UnheldMotions& unheld, const BodyMotions& bodies, const Eigen::VectorXd& e);
 
 /// \brief Asks whether the loads leave unheld motions alone.
 ///

@@ -3,6 +3,7 @@
 #include <Teuchos_Array.hpp>
 #include <Teuchos_ParameterList.hpp>
 #include <algorithm>
+#include <array>
 #include <cctype>
 
 #include "Haptos_Error.hpp"
@@ -185,6 +186,30 @@ std::string sameSurface(const ParameterList& list) {
   return "Primary Side Set: is the Secondary Side Set '" + name + "' too; give two different surfaces";
 }
 
+bool joinTheSame(const ParameterList& a, const ParameterList& b) {
+  const auto side = [](const ParameterList& list, const char* which) { return list.isParameter(which) ? list.get<std::string>(which) : ""; };
+  const auto surfaces = [&](const ParameterList& list) {
+    std::array<std::string, 2> names{side(list, "Secondary Side Set"), side(list, "Primary Side Set")};
+    std::sort(names.begin(), names.end());
+    return names;
+  };
+  const auto plane = [](const ParameterList& list) {
+    const ParameterList& own = list.sublist("Rigid Plane");
+    return std::array{numbers<3>(own, "Point"), numbers<3>(own, "Normal")};
+  };
+  if (surfaces(a) != surfaces(b)) return false;
+  return !a.isSublist("Rigid Plane") || (b.isSublist("Rigid Plane") && plane(a) == plane(b));
+}
+
+// The forces of both could be told by their sum only.
+std::string joinedTwice(const ParameterList& contacts) {
+  for (auto b = contacts.begin(); b != contacts.end(); ++b)
+    for (auto a = contacts.begin(); a != b; ++a)
+      if (joinTheSame(contacts.sublist(contacts.name(a)), contacts.sublist(contacts.name(b))))
+        return contacts.name(b) + ": joins the same surfaces as contact '" + contacts.name(a) + "'; leave one of them out";
+  return "";
+}
+
 }  // namespace
 
 // Absent ones keep the defaults of the options: these are written nowhere else.
@@ -258,7 +283,7 @@ ParameterTree contactSection() {
       .rule("`Gap` is a word, a number or an expression as in Boundary Conditions.", wrongGap)
       .rule("`Primary Smoothing` goes with a `Primary Side Set`.", smoothedPlane);
   ParameterTree contact("Contact", "One list for each contact; without this section there is no contact.");
-  contact.addUserNamed(std::move(pair), 0);
+  contact.addUserNamed(std::move(pair), 0).rule("No two contacts join the same surfaces.", joinedTwice);
   return contact;
 }
 

@@ -127,6 +127,15 @@ TEUCHOS_UNIT_TEST(Parameters, NumbersOutOfRangeAreRefused) {
   TEST_CONTAINS(setRefusal("Contact->interface->Friction->Principal Direction", "{0, 0, 0}"), "zero vector");
 }
 
+TEUCHOS_UNIT_TEST(Parameters, ContactsJoinDifferentSurfaces) {
+  const auto refusalWith = [](const std::string& secondary, const std::string& primary) {
+    return messageOf([&] { read(fullInput(), {{"Contact->second->Secondary Side Set", secondary}, {"Contact->second->Primary Side Set", primary}}); });
+  };
+  TEST_CONTAINS(refusalWith("lower_contact", "upper_contact"), "Contact->second", "same surfaces as contact 'interface'");
+  TEST_CONTAINS(refusalWith("upper_contact", "lower_contact"), "Contact->second", "same surfaces as contact 'interface'");
+  TEST_ASSERT(refusalWith("upper_contact", "other").find("same surfaces") == std::string::npos);
+}
+
 TEUCHOS_UNIT_TEST(Parameters, MissingParametersAndAlternatives) {
   TEST_CONTAINS(refusal(R"(<Parameter name="Young's Modulus" type="double" value="2.119e5"/>)", ""),
                 "Materials->steel->Young's Modulus", "is missing", "value > 0");

@@ -212,23 +212,6 @@ PartitionOptions partitionOptions(const DecompositionOptions& options, SourceSha
   return result;
 }
 
-namespace {
-
-bool joinTheSame(const ContactOptions& a, const ContactOptions& b) {
-  const bool isPlane = a.rigidPlane && b.rigidPlane && a.rigidPlane->point == b.rigidPlane->point && a.rigidPlane->normal == b.rigidPlane->normal;
-  if (a.rigidPlane || b.rigidPlane) return isPlane && a.secondarySideSet == b.secondarySideSet;
-  return std::minmax(a.secondarySideSet, a.primarySideSet) == std::minmax(b.secondarySideSet, b.primarySideSet);
-}
-
-// The forces of two contacts between the same surfaces could be told from their sum only.
-void requireDistinct(const std::vector<ContactOptions>& contacts) {
-  for (auto b = contacts.begin(); b != contacts.end(); ++b)
-    for (auto a = contacts.begin(); a != b; ++a)
-      if (joinTheSame(*a, *b)) throw InputError(b->path + ": joins the same surfaces as contact '" + a->name + "'; leave one of them out.");
-}
-
-}  // namespace
-
 ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const MeshShare& mesh) {
   ModelDraft draft;
   ModelData& data = draft.data;
@@ -242,7 +225,6 @@ ModelDraft draftModel(const Communicator& comm, const RunOptions& options, const
     chooseFormulation(draft.materialOfBlock, mesh.part, data);
     data.loads = collectLoads(options.conditions, mesh.part);
     requireLoadedSides(data.loads, mesh);
-    requireDistinct(options.contacts);
     draft.contactOptions = options.contacts;
     for (const auto& contact : options.contacts) {
       requireNodalFields(contact, mesh.part);

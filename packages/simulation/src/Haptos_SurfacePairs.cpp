@@ -80,8 +80,8 @@ void shareNotes(const Communicator& comm, const std::vector<ContactInterface>& i
   };
   std::vector<Told> mine;
   for (const auto& interface : interfaces)
-    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, interface.isExchanged, largestCoefficients(interface),
-                    interface.overlap, interface.notes, interface.remarks});
+    mine.push_back({interface.unpairedNodes, long(interface.tied ? interface.pairs.size() : 0), interface.isMortar, interface.isExchanged,
+                    largestCoefficients(interface), interface.overlap, interface.notes, interface.remarks});
   std::size_t k = 0;
   for (const Told& told : gatheredOnAll(comm, mine)) {
     FrictionSpec& friction = data.friction[k++];

@@ -11,6 +11,7 @@
 #include <algorithm>
 
 #include "Haptos_Error.hpp"
+#include "Haptos_OwnStiffness.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
@@ -33,23 +34,15 @@ std::vector<GlobalOrdinal> unknownsOf(const std::vector<SubdomainInput>& subdoma
   return unknowns;
 }
 
-// What products rely on: the rest is looked at where a system takes the subdomains.
-std::string problemOf(const SubdomainInput& sub) {
-  const auto n = std::size_t(3 * sub.nodes.size());
-  const std::string who = "A subdomain of body " + std::to_string(sub.body);
-  if (sub.K.is_null() || !sub.K->isFillComplete()) return who + " has no matrix, or one without fillComplete().";
-  if (localNumRows(*sub.K) != n || std::size_t(sub.coordinates.size()) != n)
-    return who + " has " + std::to_string(sub.nodes.size()) + " nodes, " + std::to_string(localNumRows(*sub.K)) + " rows and " +
-           std::to_string(sub.coordinates.size()) + " coordinates; rows and coordinates must be three a node.";
-  for (LocalOrdinal j = 0; j < LocalOrdinal(localNumElements(*sub.K->getColMap())); ++j)
-    if (!sub.K->getRowMap()->isNodeGlobalElement(sub.K->getColMap()->getGlobalElement(j))) return who + " has a matrix with columns that are none of its rows.";
-  return "";
-}
-
-// The first of this rank's.
+// The first of this rank's; the rest is looked at where a system takes the subdomains.
 std::string problemOf(const std::vector<SubdomainInput>& subdomains) {
-  for (const auto& sub : subdomains)
-    if (const std::string problem = problemOf(sub); !problem.empty()) return problem;
+  for (const auto& sub : subdomains) {
+    const std::string who = " a subdomain of body " + std::to_string(sub.body) + " ", problem = problemOfMatrix(sub.K, std::size_t(sub.nodes.size()));
+    if (!problem.empty()) return "The stiffness of" + who + problem;
+    if (sub.coordinates.size() != 3 * sub.nodes.size())
+      return "The places of" + who + "have " + std::to_string(sub.coordinates.size()) + " coordinates; its " + std::to_string(sub.nodes.size()) +
+             " nodes have three each.";
+  }
   return "";
 }
 

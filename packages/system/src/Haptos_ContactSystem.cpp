@@ -79,11 +79,16 @@ struct ContactSystem::Impl {
   Changes changes;
   std::unique_ptr<StepSolver> solver;
   RCP<const Vector> c, lambda;
-  bool arePairsSolved = false;  // `lambda` is of the pairs of this rank as they are
+  bool arePairsSolved = false;  // lambda is there, and of the pairs of this rank as they are
   long rows = 0;
 
   void refuse(const std::string& text) {
     if (refused.empty()) refused = text;
+  }
+
+  void changePairs() {
+    changes.rows = true;
+    arePairsSolved = false;
   }
 
   // Rows may be made only for their right-hand sides: the system keeps its own, which are the same but for c.
@@ -113,6 +118,7 @@ struct ContactSystem::Impl {
     } catch (...) {
       solver.reset();
       lambda = Teuchos::null;
+      arePairsSolved = false;
       throw;
     }
   }
@@ -154,8 +160,8 @@ ContactSystem::~ContactSystem() = default;
 
 int ContactSystem::addInterface(std::string name, const FrictionSpec& friction) {
   impl_->input->interfaces.push_back({std::move(name), friction});
-  impl_->changes.rows = impl_->changes.laws = true;  // the laws of all come with its name, before its rows
-  impl_->arePairsSolved = false;
+  impl_->changePairs();
+  impl_->changes.laws = true;  // its name and law come before its rows
   return int(impl_->input->interfaces.size()) - 1;
 }
 
@@ -255,15 +261,13 @@ void ContactSystem::clearPrescribed() {
 
 int ContactSystem::addPair(const PairInput& pair) {
   impl_->input->pairs.push_back(pair);
-  impl_->changes.rows = true;
-  impl_->arePairsSolved = false;
+  impl_->changePairs();
   return int(impl_->input->pairs.size()) - 1;
 }
 
 void ContactSystem::clearPairs() {
   impl_->input->pairs.clear();
-  impl_->changes.rows = true;
-  impl_->arePairsSolved = false;
+  impl_->changePairs();
 }
 
 void ContactSystem::setGap(int pair, double gap) {
@@ -333,16 +337,10 @@ ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
 
 RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
 
-// What was added since has no force yet.
-void ContactSystem::requireForces() const {
-  const bool isMissing = !impl_->solver || impl_->lambda.is_null() || !impl_->arePairsSolved;
-  if (anyOfAll(*impl_->comm, isMissing))
-    throw InputError("Contact forces are those of the last solve; nothing is solved yet, or pairs were added or cleared since: call solve first.");
-}
-
 // Rows lie where nodes lie; forces go back to the rank that added the pair, whose positions in an interface are one range.
 std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
-  requireForces();
+  if (anyOfAll(*impl_->comm, !impl_->arePairsSolved))
+    throw InputError("Contact forces are those of the last solve; nothing is solved yet, or pairs were added or cleared since: call solve first.");
   const SystemInput& input = *impl_->input;
   const Communicator& comm = *impl_->comm;
   struct Force {

@@ -120,8 +120,6 @@ class ContactSystem {
   const StepSolver& solver() const;
 
  private:
-  void requireForces() const;
-
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };

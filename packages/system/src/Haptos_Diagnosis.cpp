@@ -5,7 +5,6 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 
-#include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_PairLaws.hpp"
@@ -54,16 +53,14 @@ bool isFar(const UnconvergedRun& run) {
 
 // What pairs that stick hold no more, as where loads are beyond what friction carries, or gaps too wide to be closed.
 std::string freeMotion(const UnconvergedRun& run) {
-  constexpr double kUnnamed = 0.05;  // rotations that move no node by a twentieth of the translation
   const FetiSystem& system = run.system;
   const double kkt = run.accuracy.errors.kkt();
   const Vector& lambda = *run.solver.solution().lambda;
   const double force = contactForceScale(system.law(), lambda, run.accuracy.scales.load);
-  const Eigen::MatrixXd free = system.motionsUnheldAt(lambda, {force, 0.1 * kkt}).basis;  // forces are known to kkt
-  if (free.cols() <= system.unheldMotions().basis.cols()) return "";
-  const Eigen::VectorXd work = free.transpose() * (system.bodies().Z().transpose() * system.dual().e);
+  const UnheldMotions free = system.motionsUnheldAt(lambda, {force, 0.1 * kkt});  // forces are known to kkt
+  if (free.basis.cols() <= system.unheldMotions().basis.cols()) return "";
   return "; where it ended, only pairs that slide or are open are left against a motion of " +
-         system.bodies().describe(free * solveByLdlt(free.transpose() * free, work), kUnnamed, MotionSense::AsGiven) +
+         system.bodies().describeDriven(drivenMotion(free, system.bodies(), system.dual().e)) +
          ": the loads may be more than contact and friction carry, or the gaps too wide to close";
 }
 

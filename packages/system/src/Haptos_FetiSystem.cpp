@@ -73,7 +73,7 @@ UnheldMotions FetiSystem::motionsUnheldAt(const Vector& lambda, const StateScale
     const ContactStatus status = contactStatus(pair, ContactLaw::gather(pair, data.getRawPtr()), scales);
     if (pair.normal >= 0) counts[std::size_t(pair.normal)] = status != ContactStatus::Open;
     for (const int row : pair.tangential)
-      if (row >= 0) counts[std::size_t(row)] = status == ContactStatus::Stick && pair.frictional();
+      if (row >= 0) counts[std::size_t(row)] = status == ContactStatus::Stick;
   }
   return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
 }

@@ -136,7 +136,6 @@ EvenMotions evenMotions(const Communicator& comm, const SparseRows& H) {
 void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating, const NaturalCoarseSpace& G,
                             const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
   constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
-  constexpr double kUnnamed = 0.05;   // rotations that move no node by a twentieth of the translation
   if (floating.basis.cols() == 0) return;
   const Eigen::MatrixXd N = orthonormalBasis(floating.basis);
   const Eigen::VectorXd b = N.transpose() * (bodies.Z().transpose() * e);
@@ -151,7 +150,7 @@ void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating
   const DualState state = RigidBalance(comm, law, H, b, Eigen::VectorXd::Ones(b.size())).solve();
   const Eigen::VectorXd way = b.dot(state.a) < 0 ? Eigen::VectorXd(-N * state.a) : Eigen::VectorXd(N * state.a);  // the loads' work is positive
   throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
-                          bodies.describe(way, kUnnamed, MotionSense::AsGiven) +
+                          bodies.describeDriven(way) +
                           ". Reduce the load in that direction, raise the friction, or fix the body there.");
 }
 

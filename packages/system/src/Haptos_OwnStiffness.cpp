@@ -51,24 +51,6 @@ std::vector<int> startsInPlace(const CrsMatrix& K) {
 
 [[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
 
-// What can be told from sizes, in the order in which a caller would mend it.
-void requireSize(const Part& part) {
-  const std::size_t n = 3 * part.coordinates.size();
-  if (n == 0) refuse(part, "has no nodes.");
-  if (part.K.is_null()) refuse(part, "is missing.");
-  if (!part.K->isFillComplete()) refuse(part, "is not complete: call its fillComplete().");
-  if (part.K->getRowMap()->getComm()->getSize() != 1 && part.K->getRowMap()->getGlobalNumElements() != localNumElements(*part.K->getRowMap()))
-    refuse(part, "lies on several ranks; a subdomain is one rank's.");
-  if (localNumRows(*part.K) != n)
-    refuse(part, "has " + std::to_string(localNumRows(*part.K)) + " rows; its " + std::to_string(n / 3) + " nodes have " + std::to_string(n) +
-                     " unknowns, three each.");
-  if (localNumEntries(*part.K) == 0) refuse(part, "has no entries.");
-  const Map &rows = *part.K->getRowMap(), &columns = *part.K->getColMap();
-  for (LocalOrdinal j = 0; j < LocalOrdinal(localNumElements(columns)); ++j)
-    if (!rows.isNodeGlobalElement(columns.getGlobalElement(j)))
-      refuse(part, "has an entry in column " + std::to_string(columns.getGlobalElement(j)) + ", which is none of its rows.");
-}
-
 // || K - K^T ||_max without a transpose: column by column, entries below the diagonal meet those of their rows in the order in which these stand.
 // Negative if the entries do not stand in the same places.
 double asymmetryInPlace(const SparseRef& K) {
@@ -148,6 +130,25 @@ Eigen::MatrixXd kernelOf(const Part& part, const SparseRef& K) {
 
 }  // namespace
 
+// What can be told without its entries, in the order in which a caller would mend it.
+std::string problemOfMatrix(const RCP<const CrsMatrix>& K, std::size_t numNodes) {
+  const std::size_t n = 3 * numNodes;
+  if (n == 0) return "has no nodes.";
+  if (K.is_null()) return "is missing.";
+  if (!K->isFillComplete()) return "is not complete: call its fillComplete().";
+  const Map &rows = *K->getRowMap(), &columns = *K->getColMap();
+  if (rows.getComm()->getSize() != 1 && rows.getGlobalNumElements() != localNumElements(rows))
+    return "lies on several ranks; a subdomain is one rank's.";
+  if (localNumRows(*K) != n)
+    return "has " + std::to_string(localNumRows(*K)) + " rows; its " + std::to_string(numNodes) + " nodes have " + std::to_string(n) +
+           " unknowns, three each.";
+  if (localNumEntries(*K) == 0) return "has no entries.";
+  for (LocalOrdinal j = 0; j < LocalOrdinal(localNumElements(columns)); ++j)
+    if (!rows.isNodeGlobalElement(columns.getGlobalElement(j)))
+      return "has an entry in column " + std::to_string(columns.getGlobalElement(j)) + ", which is none of its rows.";
+  return "";
+}
+
 // E y = mu D y with E = R^T K R and D = R^T diag(K) R, R the six motions: those y with mu = 0 cost nothing.  Against diag(K), as
 // translations and rotations have other units.
 Eigen::MatrixXd rigidKernel(const Eigen::Ref<const SparseMatrix>& K, const Coordinates& coordinates) {
@@ -166,7 +167,8 @@ Eigen::MatrixXd rigidKernel(const Eigen::Ref<const SparseMatrix>& K, const Coord
 
 OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
   for (int i = 0; i < size(); ++i) {
-    requireSize(part(i));
+    const std::string problem = problemOfMatrix(part(i).K, part(i).coordinates.size());
+    if (!problem.empty()) refuse(part(i), problem);
     const std::vector<int> starts = startsInPlace(*part(i).K);
     if (starts.empty()) {
       look(i, assemble(i));

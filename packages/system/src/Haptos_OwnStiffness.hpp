@@ -8,6 +8,9 @@
 
 namespace Haptos {
 
+/// \brief What is wrong with a matrix of so many nodes as it stands on its rank, for "The stiffness ... "; empty where nothing is.
+std::string problemOfMatrix(const RCP<const CrsMatrix>& K, std::size_t numNodes);
+
 /// \brief Stiffnesses that a caller made: matrices of subdomains, shared and not copied.
 class OwnStiffness final : public SubdomainStiffness {
  public:

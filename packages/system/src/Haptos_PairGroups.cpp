@@ -3,7 +3,6 @@
 
 #include <Tpetra_Map.hpp>
 #include <algorithm>
-#include <cmath>
 #include <limits>
 #include <set>
 
@@ -41,7 +40,7 @@ std::vector<PairGroup> groupsOfPairs(const MultiplierMap& multipliers, const std
   const auto& comm = *multipliers.map()->getComm();
   std::vector<SurfacePlace> places;
   for (std::size_t i = 0; i < x.size(); ++i) places.push_back({multipliers.pairs()[i].interface, x[i]});
-  // Pairs of an interface without a centre would be near none.
+  // One for each interface at least, and these come first: pairs of one without a centre would be near none.
   const std::size_t wanted = std::max({std::size_t(1), std::size_t(multipliers.numPairs() / kPairsOfGroup), countInterfaces(comm, places)});
   const std::vector<SurfaceCentre> centres = chooseCentres(comm, places, wanted);
 
@@ -51,7 +50,7 @@ std::vector<PairGroup> groupsOfPairs(const MultiplierMap& multipliers, const std
     const Eigen::VectorXd row = distancesTo(centres, places[i]);
     const double nearest = row.minCoeff() * (1 + kRoundOff);
     while (row[own[i]] > nearest) ++own[i];
-    if (std::isfinite(row[own[i]])) radius[own[i]] = std::max(radius[own[i]], row[own[i]]);
+    radius[own[i]] = std::max(radius[own[i]], row[own[i]]);
   }
   radius = largestOfAll(comm, radius);
 
@@ -59,9 +58,8 @@ std::vector<PairGroup> groupsOfPairs(const MultiplierMap& multipliers, const std
   for (std::size_t i = 0; i < places.size(); ++i) {
     const Eigen::VectorXd row = distancesTo(centres, places[i]);
     for (std::size_t c = 0; c < centres.size(); ++c) {
-      const double distance = row[Eigen::Index(c)];
       const bool isOwn = own[i] == Eigen::Index(c);
-      if (!std::isfinite(distance) || (!isOwn && distance > (1 + kOverlap) * (1 + kRoundOff) * radius[Eigen::Index(c)])) continue;
+      if (!isOwn && row[Eigen::Index(c)] > (1 + kOverlap) * (1 + kRoundOff) * radius[Eigen::Index(c)]) continue;
       groups[c].pairs.push_back(int(i));
       groups[c].isOwn.push_back(isOwn);
     }

@@ -134,9 +134,10 @@ bool StepSolver::iterate(StepResult& result) try {
 
 // No load, supports that stay where they are, no overlap: then nothing moves, and multipliers of before are no start but what their round-off leaves.
 bool StepSolver::isAtRest() const {
+  if (loads_.norm != 0) return false;
   const auto& kinds = system_->model().multipliers->kinds();
   const auto c = system_->step().c->getData(0);
-  bool mine = loads_.norm == 0;
+  bool mine = true;
   for (std::size_t row = 0; row < kinds.size() && mine; ++row)
     mine = c[Teuchos::Ordinal(row)] == 0 || (kinds[row] == RowKind::Normal && c[Teuchos::Ordinal(row)] > 0);
   return !anyOfAll(*system_->model().comm, !mine);
