@@ -8,6 +8,7 @@
 #include <cctype>
 #include <cstdio>
 #include <iostream>
+#include <new>
 
 #include "Haptos_CommandLine.hpp"
 #include "Haptos_Build.hpp"
@@ -117,7 +118,9 @@ int runProgram(const RCP<const Communicator>& comm, int argc, char* argv[]) {
     report("internal error: ", e);
     return kInternalError;
   } catch (const std::exception& e) {  // may have been thrown on one rank alone
-    std::cerr << "haptos: internal error on rank " << comm->getRank() << ": " << e.what() << std::endl;
+    const bool isMemory = dynamic_cast<const std::bad_alloc*>(&e) != nullptr;
+    std::cerr << "haptos: " << (isMemory ? "out of memory on rank " : "internal error on rank ") << comm->getRank() << ": "
+              << shortened(e.what()) << (isMemory ? "; use more or larger machines, or a coarser mesh" : "") << std::endl;
     if (comm->getSize() > 1) MPI_Abort(MPI_COMM_WORLD, kInternalError);
     return kInternalError;
   }

@@ -129,7 +129,7 @@ namespace {
 // An upper bound of the largest absolute eigenvalue of a symmetric matrix.
 double largestRowSum(const Eigen::MatrixXd& A) {
   const Eigen::MatrixXd all = A.selfadjointView<Eigen::Lower>();
-  return all.cwiseAbs().rowwise().sum().maxCoeff();
+  return all.cwiseAbs().colwise().sum().maxCoeff();  // as those of rows, and read as they lie
 }
 
 Eigen::MatrixXd pseudoInverseByEigenvectors(const Eigen::MatrixXd& A, double least) {

@@ -15,6 +15,10 @@ CaughtError describeCurrentException() {
     return {1, e.what()};
   } catch (const InsufficientModel& e) {
     return {2, e.what()};
+  } catch (const OutOfMemory& e) {
+    return {4, e.what()};
+  } catch (const std::bad_alloc&) {
+    return {4, "out of memory"};
   } catch (const std::exception& e) {
     return {3, e.what()};
   } catch (...) {
@@ -31,6 +35,7 @@ void broadcastAndThrow(const Communicator& comm, CaughtError error, int root) {
   if (header[1] > 0) Teuchos::broadcast(comm, root, header[1], error.message.data());
   if (header[0] == 1) throw InputError(error.message);
   if (header[0] == 2) throw InsufficientModel(error.message);
+  if (header[0] == 4) throw OutOfMemory(error.message);
   throw CollectiveError(error.message);
 }
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <new>
 #include <stdexcept>
 #include <string>
 
@@ -29,6 +30,16 @@ class CollectiveError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// \brief What is asked for has no room in memory.  No `std::runtime_error`: who gives up a matrix as singular must not take this for it.
+class OutOfMemory : public std::bad_alloc {
+ public:
+  explicit OutOfMemory(const std::string& message) : message_(message) {}
+  const char* what() const noexcept override { return message_.what(); }
+
+ private:
+  std::runtime_error message_;  // can be copied without throwing
+};
+
 /// \brief Throws `InputError` on every rank if any rank's `message` is not empty.  Collective.
 ///
 /// The message thrown everywhere is that of the lowest rank that has one, so no rank throws alone
@@ -40,7 +51,7 @@ int commRank(const Communicator& comm);
 
 /// \brief What `runOnRoot` caught, in a form that can be sent.  kind 0: nothing.
 struct CaughtError {
-  int kind = 0;  ///< 0 none, 1 InputError, 2 InsufficientModel, 3 other
+  int kind = 0;  ///< 0 none, 1 InputError, 2 InsufficientModel, 3 other, 4 no memory
   std::string message;
 };
 
@@ -67,8 +78,8 @@ void runOnAllRanks(const Communicator& comm, Work&& work) {
 
 /// \brief Runs `work` on rank `root` only and rethrows there and everywhere what it threw.  Collective.
 ///
-/// `InputError` and `InsufficientModel` keep their type; any other exception becomes a
-/// `CollectiveError` with the same text.
+/// `InputError` and `InsufficientModel` keep their type, `std::bad_alloc` becomes an `OutOfMemory`, any other
+/// exception a `CollectiveError` with the same text.
 template <class Work>
 void runOnRoot(const Communicator& comm, Work&& work, int root = 0) {
   CaughtError error;

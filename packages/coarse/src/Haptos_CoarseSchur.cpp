@@ -10,6 +10,7 @@
 #include <string>
 
 #include "Haptos_DenseSymmetric.hpp"
+#include "Haptos_Error.hpp"
 
 #if defined(HAPTOS_HAVE_CHOLMOD)
 #include <cholmod.h>
@@ -212,6 +213,8 @@ CholmodFactor::CholmodFactor(cholmod_sparse A, std::size_t columns, CholmodCommo
   cholmod_free_factor(&factor_, &common);  // no destructor runs after a constructor that throws
   TEUCHOS_TEST_FOR_EXCEPTION(isIndefinite, std::runtime_error,
                              "CHOLMOD: the coarse matrix of " << A.nrow << " unknowns is not positive definite");
+  if (status == CHOLMOD_OUT_OF_MEMORY || status == CHOLMOD_TOO_LARGE)
+    throw OutOfMemory("CHOLMOD: the factorisation of a coarse matrix of " + std::to_string(A.nrow) + " unknowns has no room in memory");
   throw std::runtime_error("CHOLMOD: the factorisation of a coarse matrix failed with status " + std::to_string(status));
 }
 

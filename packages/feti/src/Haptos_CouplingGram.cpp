@@ -10,6 +10,7 @@
 
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DisjointSets.hpp"
+#include "Haptos_Error.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_SparseBlocks.hpp"
@@ -109,7 +110,7 @@ CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScali
     : multipliers_(multipliers), stiffnessScaling_(stiffnessScaling) {
   findRowsAndNodes();
   const auto groups = findLocalGroups();
-  invertGroups(groups);
+  runOnAllRanks(*multipliers.map()->getComm(), [&] { invertGroups(groups); });
   const auto holders = findHolders(groups);
   isAnyHeld_ = anyOfAll(*multipliers.map()->getComm(), std::any_of(holders.begin(), holders.end(), [](int rank) { return rank >= 0; }));
   if (!isAnyHeld_) return;
@@ -247,7 +248,7 @@ void CouplingGram::holdFactors(const std::vector<int>& holders) {
   }
   std::sort(held.nodes.begin(), held.nodes.end());
   held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
-  factorHeld(held);
+  runOnAllRanks(comm, [&] { factorHeld(held); });
   HolderTransfer::Ends ends = endsOfRows(holders, held);
   rowTransfer_ = HolderTransfer(ends, multipliers_.map()->getComm());
   addNodes(holders, held, ends);

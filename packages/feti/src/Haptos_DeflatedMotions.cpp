@@ -7,6 +7,7 @@
 #include <numeric>
 #include <utility>
 
+#include "Haptos_Error.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_NeighbourStiffness.hpp"
 #include "Haptos_Reductions.hpp"
@@ -46,6 +47,7 @@ class MotionFinder {
  private:
   Eigen::MatrixXd denseOf(int congruenceClass) const;
   std::vector<SpectralModes> findSpectralModes() const;
+  void findModesOfClass(std::size_t c, const NeighbourStiffness& neighbours, std::vector<SpectralModes>& spectral) const;
   void takeSoftModes(const std::vector<SoftSpectrum>& soft);
   bool takeSpectralModes(const std::vector<SpectralModes>& spectral);
   double boundThatLeaves(long most, double bound, const std::function<long(double)>& countMine) const;
@@ -64,18 +66,20 @@ std::optional<DeflatedMotions> MotionFinder::find(const std::vector<char>& slend
   for (int c = 0; c < systems_.numClasses(); ++c) mine = mine || hasSpectrum(c);
   const bool any = anyOfAll(comm_, mine);
   std::vector<SoftSpectrum> soft(result_.L.size());
-  for (int c = 0; c < systems_.numClasses(); ++c) {
-    const auto& members = systems_.members()[std::size_t(c)];
-    const Eigen::MatrixXd rigid = rigidMotions(base_, members.front());
-    for (int i : members) result_.ofSubdomains[std::size_t(i)] = rigid;
-    if (!isSlender(c) && !hasSpectrum(c)) continue;
-    Eigen::MatrixXd Sc = denseOf(c);
-    if (isSlender(c)) {
-      soft[std::size_t(c)] = softSpectrum(Sc, rigid);
-      result_.L[std::size_t(c)] = std::move(soft[std::size_t(c)].L);
+  runOnAllRanks(comm_, [&] {
+    for (int c = 0; c < systems_.numClasses(); ++c) {
+      const auto& members = systems_.members()[std::size_t(c)];
+      const Eigen::MatrixXd rigid = rigidMotions(base_, members.front());
+      for (int i : members) result_.ofSubdomains[std::size_t(i)] = rigid;
+      if (!isSlender(c) && !hasSpectrum(c)) continue;
+      Eigen::MatrixXd Sc = denseOf(c);
+      if (isSlender(c)) {
+        soft[std::size_t(c)] = softSpectrum(Sc, rigid);
+        result_.L[std::size_t(c)] = std::move(soft[std::size_t(c)].L);
+      }
+      if (any) result_.S[std::size_t(c)] = std::move(Sc);
     }
-    if (any) result_.S[std::size_t(c)] = std::move(Sc);
-  }
+  });
   takeSoftModes(soft);
   if (any && !takeSpectralModes(findSpectralModes())) return {};
   return std::move(result_);
@@ -101,28 +105,35 @@ Eigen::MatrixXd MotionFinder::denseOf(int congruenceClass) const {
   return base_.surface().block(congruenceClass, all);
 }
 
-// [local subdomains] of those that are not slender.  Congruent ones among the same neighbours have the same modes: energies are compared by their
-// products with one vector.  Ends where this rank alone has too many that are too stiff to be left out.
+// [local subdomains] of those that are not slender.  Ends where this rank alone has too many that are too stiff to be left out.
 std::vector<SpectralModes> MotionFinder::findSpectralModes() const {
-  constexpr double kAlike = 1e-10;
   const auto& S = result_.S;
   std::vector<SpectralModes> spectral(std::size_t(systems_.size()));
   const NeighbourStiffness neighbours(base_, S);
-  long stiffest = 0;
-  for (std::size_t c = 0; c < S.size() && stiffest <= wanted_.most; ++c) {
-    if (S[c].size() == 0 || result_.L[c].size() > 0) continue;
-    const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S[c].rows(), 1, 2);
-    std::vector<std::pair<Eigen::VectorXd, int>> known;
-    for (int i : systems_.members()[c]) {
-      const Eigen::MatrixXd energy = neighbours.energy(i);
-      const Eigen::VectorXd print = energy * probe;
-      const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
-      spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S[c], energy, rigidMotions(base_, i), kStiffer);
-      if (same == known.end()) known.emplace_back(print, i);
-      stiffest += (spectral[std::size_t(i)].theta.array() > wanted_.stiffestLeft).count();
+  runOnAllRanks(comm_, [&] {
+    long stiffest = 0;
+    for (std::size_t c = 0; c < S.size() && stiffest <= wanted_.most; ++c) {
+      if (S[c].size() == 0 || result_.L[c].size() > 0) continue;
+      findModesOfClass(c, neighbours, spectral);
+      for (int i : systems_.members()[c]) stiffest += (spectral[std::size_t(i)].theta.array() > wanted_.stiffestLeft).count();
     }
-  }
+  });
   return spectral;
+}
+
+// Congruent subdomains among the same neighbours have the same modes: energies are compared by their products with one vector.
+void MotionFinder::findModesOfClass(std::size_t c, const NeighbourStiffness& neighbours, std::vector<SpectralModes>& spectral) const {
+  constexpr double kAlike = 1e-10;
+  const Eigen::MatrixXd& S = result_.S[c];
+  const Eigen::VectorXd probe = Eigen::VectorXd::LinSpaced(S.rows(), 1, 2);
+  std::vector<std::pair<Eigen::VectorXd, int>> known;
+  for (int i : systems_.members()[c]) {
+    const Eigen::MatrixXd energy = neighbours.energy(i);
+    const Eigen::VectorXd print = energy * probe;
+    const auto same = std::find_if(known.begin(), known.end(), [&](const auto& k) { return (k.first - print).norm() <= kAlike * print.norm(); });
+    spectral[std::size_t(i)] = same != known.end() ? spectral[std::size_t(same->second)] : spectralModes(S, energy, rigidMotions(base_, i), kStiffer);
+    if (same == known.end()) known.emplace_back(print, i);
+  }
 }
 
 // Where there are too many, those that matter least are left out.

@@ -8,9 +8,11 @@
 #include <Kokkos_Core.hpp>
 #include <Teuchos_ParameterList.hpp>
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "Haptos_CholmodNodes.hpp"
+#include "Haptos_Error.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_SupernodalFactor.hpp"
 
@@ -79,6 +81,7 @@ class CholmodSolver : public Amesos2::SolverCore<CholmodSolver, Matrix, Vector> 
   cholmod_factor* analyse();
   cholmod_sparse sparseView(int triangle) const;
   int failedColumn() const;
+  [[noreturn]] void fail(const char* step) const;
   std::size_t countEntries() const;
   void takeSupernodes();
   void solveByCholmod(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
@@ -177,12 +180,17 @@ cholmod_factor* CholmodSolver<Matrix, Vector>::analyse() {
 }
 
 template <class Matrix, class Vector>
+void CholmodSolver<Matrix, Vector>::fail(const char* step) const {
+  const std::string what = std::string("CHOLMOD: ") + step + " of a matrix of " + std::to_string(starts_.size() - 1) + " unknowns ";
+  if (common_.status == CHOLMOD_OUT_OF_MEMORY || common_.status == CHOLMOD_TOO_LARGE) throw OutOfMemory(what + "has no room in memory");
+  throw std::runtime_error(what + "failed with status " + std::to_string(common_.status));
+}
+
+template <class Matrix, class Vector>
 int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   cholmod_free_factor(&factor_, &common_);
   factor_ = analyse();
-  TEUCHOS_TEST_FOR_EXCEPTION(factor_ == nullptr, std::runtime_error,
-                             "CHOLMOD: the symbolic factorisation of " << starts_.size() - 1 << " unknowns failed with status "
-                                                                       << common_.status << " (-2: out of memory)");
+  if (factor_ == nullptr) fail("the symbolic factorisation");
   flops_ = common_.fl;
   return 0;
 }
@@ -194,9 +202,7 @@ int CholmodSolver<Matrix, Vector>::numericFactorization_impl() {
   TEUCHOS_TEST_FOR_EXCEPTION(common_.status == CHOLMOD_NOT_POSDEF || (ran && factor_->minor < factor_->n), UselessFactor,
                              "CHOLMOD: the matrix of " << a.nrow << " unknowns is not positive definite: pivot of column "
                                                        << failedColumn());
-  TEUCHOS_TEST_FOR_EXCEPTION(!ran, std::runtime_error,
-                             "CHOLMOD: the factorisation of " << a.nrow << " unknowns failed with status "
-                                                              << common_.status << " (-2: out of memory)");
+  if (!ran) fail("the factorisation");
   isSuper_ = factor_->is_super != 0;
   if (isSuper_) takeSupernodes();
   this->setNnzLU(countEntries());
