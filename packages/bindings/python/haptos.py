@@ -415,8 +415,8 @@ class ContactSystem:
         return u
 
     def contact_forces(self):
-        """(N, T1, T2) [p, 3] of the pairs of this rank [force]; N >= 0 presses.  Of the last solve, since which no pair was added or
-        cleared.  Collective."""
+        """(N, T1, T2) [p, 3] of the pairs of this rank [force]; N >= 0 presses.  Of the last solve, since which no pair, support or
+        kind of law has changed.  Collective."""
         forces = np.zeros((self._pairs, 3))
         self._call("contact_forces", _pointer(forces))
         return forces

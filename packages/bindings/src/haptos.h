@@ -26,7 +26,7 @@
      (haptos_clear_prescribed) and given again.  For another matrix or other nodes make a new system.  Loads, gaps and friction
      need only be set again.
 
-   Nodes are numbered as the caller likes (ids >= 0, not necessarily without gaps).  An id is of one body: in several subdomains
+   Nodes are numbered as the caller likes (ids from 0 to 2^63 / 3, not necessarily without gaps).  An id is of one body: in several subdomains
    or elements of that body it is the same material point, in two bodies it is refused.  Bodies and all other numbers count from
    0.  Units are the caller's.
 
@@ -89,7 +89,7 @@ typedef struct haptos_pairs {
   const double* weights;         /* the same; they add up to 1 for every pair; NULL: equal */
   const double* normals;         /* [count][3] outward from the secondary side */
   const double* axes;            /* [count][3] first principal axis of friction, see above; not 0; NULL: global x */
-  const double* gaps;            /* [count] [length]; NULL: 0 */
+  const double* gaps;            /* [count] [length]; NULL: 0; more than a million times the model counts as that; of no effect on ties */
   const double* areas;           /* [count] [area] of the nodes, for Tresca's law; NULL: 1 */
 } haptos_pairs;
 
@@ -168,8 +168,8 @@ HAPTOS_API int haptos_solve(haptos_system* system, haptos_outcome* outcome);
 
 /* Displacements u [count][3] of any nodes [count], after a solve.  Collective; ranks may ask for different nodes, or none. */
 HAPTOS_API int haptos_displacements(haptos_system* system, int64_t count, const int64_t* nodes, double* u);
-/* (N, T1, T2) of the pairs that this rank added, forces [pairs][3], after a solve and before pairs are added or cleared.  Collective;
-   a rank without pairs may give NULL. */
+/* (N, T1, T2) of the pairs that this rank added, forces [pairs][3], after a solve and before pairs, supports or kinds of laws change.
+   Collective; a rank without pairs may give NULL. */
 HAPTOS_API int haptos_contact_forces(haptos_system* system, double* forces);
 /* All multipliers that this rank has (contact forces, gluing forces, reactions) by row: how many, and where values is not NULL
    the values.  Local, after a solve; before one it returns HAPTOS_INPUT_ERROR at once. */

@@ -2,6 +2,7 @@
 #include "Haptos_PairDraft.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 namespace Haptos {
 
@@ -17,9 +18,58 @@ void findNodes(const NodeDirectory& directory, PairDraft& draft) {
     }
 }
 
+namespace {
+
+// What supports leave of a pair's slip: which components are free, and the slip that they prescribe along t1 and t2.
+struct SlipLeft {
+  std::array<bool, 3> isFree{};
+  std::array<double, 2> prescribed{};
+};
+
+SlipLeft slipLeft(const NodeDirectory& directory, const PairDraft& draft) {
+  const LocalFrame& frame = draft.placed.pair.frame;
+  SlipLeft left;
+  for (const auto& [index, weight] : draft.nodes) {
+    const NodeRecord& record = directory.records()[std::size_t(index)];
+    for (std::size_t d = 0; d < 3; ++d) {
+      if (!record.isPrescribed[d]) left.isFree[d] = left.isFree[d] || weight != 0;
+      else left.prescribed[0] += weight * frame.t1[d] * record.prescribed[d], left.prescribed[1] += weight * frame.t2[d] * record.prescribed[d];
+    }
+  }
+  return left;
+}
+
+// Where supports leave one direction to slip (plane strain), and it is no axis of friction, both tangential rows would be multiples of one another,
+// and forces along them could not be told apart.  With slip along e alone F^2 e / |F e| is what friction is, and |F e| its part along e: one row does,
+// whose coefficient the law finds from `along`.  Not where a slip across e is prescribed, on which friction along e depends.
+void turnToFree(const NodeDirectory& directory, PairDraft& draft) {
+  constexpr double kRankOne = 1e-14, kAcross = 1e-12;
+  ContactPair& pair = draft.placed.pair;
+  const SlipLeft left = slipLeft(directory, draft);
+  double a = 0, b = 0, c = 0;  // sum over free components of (t1, t2)^T (t1, t2)
+  for (std::size_t d = 0; d < 3; ++d)
+    if (left.isFree[d]) a += pair.frame.t1[d] * pair.frame.t1[d], b += pair.frame.t1[d] * pair.frame.t2[d], c += pair.frame.t2[d] * pair.frame.t2[d];
+  if (a * c - b * b > kRankOne * (a + c) * (a + c)) return;
+  const double length = a > c ? std::hypot(a, b) : std::hypot(b, c);
+  if (!(length > 0)) return;
+  const std::array<double, 2> v = a > c ? std::array{a / length, b / length} : std::array{b / length, c / length};
+  if (std::abs(v[0]) < PairDraft::kRoundOff || std::abs(v[1]) < PairDraft::kRoundOff) return;
+  const auto& slip = left.prescribed;
+  if (std::abs(slip[0] * v[1] - slip[1] * v[0]) > kAcross * std::hypot(slip[0], slip[1])) return;
+  const LocalFrame frame = pair.frame;
+  for (std::size_t d = 0; d < 3; ++d) {
+    pair.frame.t1[d] = v[0] * frame.t1[d] + v[1] * frame.t2[d];
+    pair.frame.t2[d] = v[0] * frame.t2[d] - v[1] * frame.t1[d];
+  }
+  pair.along = v;
+}
+
+}  // namespace
+
 // c of a row is its gap minus what prescribed displacements contribute to the jump.
 void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, PairDraft& draft) {
   const PlacedPair& placed = draft.placed;
+  if (interface.frictional && !interface.tied && !placed.pair.isPinned[1] && !placed.pair.isPinned[2]) turnToFree(directory, draft);
   const LocalFrame& frame = placed.pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
   if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

@@ -4,12 +4,17 @@
 #include <Teuchos_Assert.hpp>
 #include <Tpetra_Map.hpp>
 #include <algorithm>
+#include <array>
+#include <map>
+#include <utility>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_DisjointSets.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 
 namespace Haptos {
@@ -106,10 +111,12 @@ BodyMotions::BodyMotions(const NaturalCoarseSpace& G, const LocalSystems& system
     const Eigen::MatrixXd basis = motionsWithoutEnergy(sums.squares.middleCols<6>(12 * b), sums.squares.middleCols<6>(12 * b + 6));
     for (Eigen::Index m = 0; m < basis.cols(); ++m) columns_.push_back({b, basis.col(m)});
   }
+  std::vector<std::size_t> firstOf(std::size_t(numBodies()) + 1, columns_.size());  // columns come body by body
+  for (std::size_t j = columns_.size(); j-- > 0;) firstOf[std::size_t(columns_[j].body)] = j;
   std::vector<Eigen::Triplet<double>> triplets;
   for (int i = 0; i < G.dimension(); ++i)
-    for (std::size_t j = 0; j < columns_.size(); ++j)
-      if (columns_[j].body == sums.bodyOf[i]) triplets.emplace_back(i, int(j), columns_[j].motion.dot(sums.rows.col(i)));
+    for (std::size_t j = firstOf[std::size_t(sums.bodyOf[i])]; j < columns_.size() && columns_[j].body == sums.bodyOf[i]; ++j)
+      triplets.emplace_back(i, int(j), columns_[j].motion.dot(sums.rows.col(i)));
   Z_.resize(G.dimension(), Eigen::Index(columns_.size()));
   Z_.setFromTriplets(triplets.begin(), triplets.end());
 }
@@ -139,13 +146,17 @@ Eigen::SparseVector<double> BodyMotions::hold(int motion) const {
 
 namespace {
 
-// (G^T Z)^T (G^T Z) of the rows that count, one by one: G^T Z as a whole may take more memory than G^T.
-Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z, const std::vector<char>& holds) {
+// Entries of a symmetric matrix over motions, [2]: of all rows that count, and of those that touch one body alone.
+using JumpProducts = std::map<std::pair<int, int>, std::array<double, 2>>;
+
+// (G^T Z)^T (G^T Z) of the rows that count, one by one: G^T Z as a whole may take more memory than G^T.  In blocks of motions that rows touch together,
+// as there are many rows and few of these.
+JumpProducts productsOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z, const std::vector<char>& holds, const std::vector<int>& bodyOf) {
   const CoarseRows motions = Z;
-  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(Z.cols(), Z.cols());
+  std::map<std::vector<int>, Eigen::MatrixXd> blocks;
   Eigen::VectorXd jump = Eigen::VectorXd::Zero(Z.cols());
-  std::vector<int> touched;  // motions of the bodies at this row
   std::vector<Eigen::Index> touchedBy(std::size_t(Z.cols()), -1);
+  std::vector<int> touched;
   for (Eigen::Index row = 0; row < GT.rows(); ++row) {
     if (!holds[std::size_t(row)]) continue;
     touched.clear();
@@ -155,38 +166,146 @@ Eigen::MatrixXd gramOfJumps(const CoarseRows& GT, const Eigen::SparseMatrix<doub
         touchedBy[std::size_t(motion.col())] = row;
         jump[motion.col()] += it.value() * motion.value();
       }
-    for (int a : touched)
-      for (int b : touched) gram(a, b) += jump[a] * jump[b];
-    for (int a : touched) jump[a] = 0;
+    std::sort(touched.begin(), touched.end());
+    const Eigen::Index n = Eigen::Index(touched.size());
+    const Eigen::VectorXd j = jump(touched);
+    blocks.try_emplace(touched, Eigen::MatrixXd::Zero(n, n)).first->second.noalias() += j * j.transpose();
+    for (int motion : touched) jump[motion] = 0;
   }
-  return gram;
+  JumpProducts products;
+  for (const auto& [list, block] : blocks) {
+    const bool isAlone = std::all_of(list.begin(), list.end(), [&](int m) { return bodyOf[std::size_t(m)] == bodyOf[std::size_t(list.front())]; });
+    for (std::size_t k = 0; k < list.size(); ++k)
+      for (std::size_t l = k; l < list.size(); ++l) {
+        auto& entry = products[{list[k], list[l]}];
+        entry[0] += block(Eigen::Index(k), Eigen::Index(l));
+        if (isAlone) entry[1] += block(Eigen::Index(k), Eigen::Index(l));
+      }
+  }
+  return products;
+}
+
+// The same on all ranks.  A body touches few others, whatever their number: only these entries are sent.
+JumpProducts sumOfProducts(const Communicator& comm, const JumpProducts& mine) {
+  struct Place {
+    int a, b;
+  };
+  std::vector<Place> places;
+  for (const auto& [place, value] : mine) places.push_back({place.first, place.second});
+  JumpProducts all;
+  for (const Place& place : gatheredOnAll(comm, places)) all[{place.a, place.b}] = {0, 0};
+  Eigen::MatrixXd values = Eigen::MatrixXd::Zero(2, Eigen::Index(all.size()));
+  Eigen::Index at = 0;
+  for (const auto& [place, zero] : all) {
+    if (const auto found = mine.find(place); found != mine.end()) values.col(at) << found->second[0], found->second[1];
+    ++at;
+  }
+  values = sumOfAll(comm, values);
+  at = 0;
+  for (auto& [place, value] : all) {
+    value = {values(0, at), values(1, at)};
+    ++at;
+  }
+  return all;
+}
+
+// [motions] lists; two are in one where an entry joins them.  Those of `isOut` are in none.
+std::vector<std::vector<int>> groupsOfMotions(const JumpProducts& A, int count, const std::vector<char>& isOut) {
+  DisjointSets sets{std::size_t(count)};
+  for (const auto& [place, value] : A)
+    if (!isOut[std::size_t(place.first)] && !isOut[std::size_t(place.second)]) sets.join(place.first, place.second);
+  std::map<int, std::vector<int>> groups;
+  for (int m = 0; m < count; ++m)
+    if (!isOut[std::size_t(m)]) groups[sets.lowest(m)].push_back(m);
+  std::vector<std::vector<int>> result;
+  for (auto& [lowest, group] : groups) result.push_back(std::move(group));
+  return result;
+}
+
+Eigen::MatrixXd denseOf(const JumpProducts& A, const std::vector<int>& motions, std::size_t which) {
+  const Eigen::Index n = Eigen::Index(motions.size());
+  Eigen::MatrixXd dense = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (auto it = A.lower_bound({motions[std::size_t(i)], 0}); it != A.end() && it->first.first == motions[std::size_t(i)]; ++it) {
+      const auto found = std::lower_bound(motions.begin(), motions.end(), it->first.second);
+      if (found == motions.end() || *found != it->first.second) continue;
+      const Eigen::Index j = found - motions.begin();
+      dense(i, j) = dense(j, i) = it->second[which];
+    }
+  return dense;
+}
+
+// [motions] those of bodies that rows of their own hold well: no motion of theirs is left, whatever others do.
+std::vector<char> motionsHeldAlone(const JumpProducts& A, const std::vector<int>& bodyOf) {
+  constexpr double kWell = 1e-6;
+  std::vector<char> isHeld(bodyOf.size(), 0);
+  std::map<int, std::vector<int>> motionsOf;
+  for (std::size_t m = 0; m < bodyOf.size(); ++m) motionsOf[bodyOf[m]].push_back(int(m));
+  for (const auto& [body, motions] : motionsOf) {
+    const SymmetricEigen eigen(denseOf(A, motions, 1));
+    if (eigen.values[0] > kWell * std::max(1.0, eigen.values.tail<1>()[0]))
+      for (int m : motions) isHeld[std::size_t(m)] = 1;
+  }
+  return isHeld;
+}
+
+// Gauss-Jordan with complete pivoting of Y's columns; the rows of the pivots.
+std::vector<int> reduce(Eigen::MatrixXd& Y) {
+  std::vector<int> pivots;
+  for (Eigen::Index i = 0; i < Y.cols(); ++i) {
+    double best = 0;
+    Eigen::Index row = 0, column = i;
+    for (Eigen::Index c = i; c < Y.cols(); ++c)
+      for (Eigen::Index r = 0; r < Y.rows(); ++r)
+        if (std::abs(Y(r, c)) > best) best = std::abs(Y(r, c)), row = r, column = c;
+    Y.col(i).swap(Y.col(column));
+    Y.col(i) /= Y(row, i);
+    for (Eigen::Index c = 0; c < Y.cols(); ++c)
+      if (c != i) Y.col(c) -= Y(row, c) * Y.col(i);
+    pivots.push_back(int(row));
+  }
+  return pivots;
+}
+
+// [columns of Z] what tells bodies apart: all motions of one are on its subdomains
+std::vector<int> bodiesOfMotions(const Eigen::SparseMatrix<double>& Z) {
+  std::vector<int> bodyOf;
+  for (Eigen::Index m = 0; m < Z.cols(); ++m) {
+    const Eigen::SparseMatrix<double>::InnerIterator first(Z, m);
+    bodyOf.push_back(first ? int(first.row()) : -1);
+  }
+  return bodyOf;
 }
 
 }  // namespace
 
+// Bodies that are held by themselves leave first, then motions that rows join are looked at group by group: of many bolts in plates that are held
+// each is one.
 UnheldMotions findUnheldMotions(const Communicator& comm, const CoarseRows& GT, const Eigen::SparseMatrix<double>& Z,
                                 const std::vector<char>& holds) {
   TEUCHOS_ASSERT(holds.size() == std::size_t(GT.rows()));
   if (Z.cols() == 0) return {};
   constexpr double kUnheld = 1e-10;  // of the largest eigenvalue; a single held node gives about 1, round-off 1e-30
-  const Eigen::MatrixXd A = sumOfAll(comm, gramOfJumps(GT, Z, holds));
-  const SymmetricEigen eigen(A);
-  const double largest = std::max(1.0, eigen.values.tail<1>()[0]);  // 1: where nothing is held at all
-  Eigen::Index k = 0;
-  while (k < A.rows() && eigen.values[k] <= kUnheld * largest) ++k;
+  const std::vector<int> bodyOf = bodiesOfMotions(Z);
+  const JumpProducts A = sumOfProducts(comm, productsOfJumps(GT, Z, holds, bodyOf));
+  const auto groups = groupsOfMotions(A, int(Z.cols()), motionsHeldAlone(A, bodyOf));
+  std::vector<SymmetricEigen> eigen;
+  double largest = 1;  // 1: where nothing is held at all
+  for (const auto& group : groups) {
+    eigen.emplace_back(denseOf(A, group, 0));
+    largest = std::max(largest, eigen.back().values.tail<1>()[0]);
+  }
   UnheldMotions result;
-  result.basis = eigen.vectors.leftCols(k);
-  for (Eigen::Index i = 0; i < k; ++i) {  // Gauss-Jordan with complete pivoting
-    double best = 0;
-    Eigen::Index row = 0, column = i;
-    for (Eigen::Index c = i; c < k; ++c)
-      for (Eigen::Index r = 0; r < A.rows(); ++r)
-        if (std::abs(result.basis(r, c)) > best) best = std::abs(result.basis(r, c)), row = r, column = c;
-    result.basis.col(i).swap(result.basis.col(column));
-    result.basis.col(i) /= result.basis(row, i);
-    for (Eigen::Index c = 0; c < k; ++c)
-      if (c != i) result.basis.col(c) -= result.basis(row, c) * result.basis.col(i);
-    result.pivots.push_back(int(row));
+  result.basis.resize(Z.cols(), 0);
+  for (std::size_t g = 0; g < groups.size(); ++g) {
+    const auto isUnheld = eigen[g].values.array() <= kUnheld * largest;
+    Eigen::MatrixXd Y = eigen[g].vectors.leftCols(isUnheld.count());
+    if (Y.cols() == 0) continue;
+    for (int row : reduce(Y)) result.pivots.push_back(groups[g][std::size_t(row)]);
+    const Eigen::Index first = result.basis.cols();
+    result.basis.conservativeResize(Eigen::NoChange, first + Y.cols());
+    result.basis.rightCols(Y.cols()).setZero();
+    for (std::size_t i = 0; i < groups[g].size(); ++i) result.basis.row(groups[g][i]).tail(Y.cols()) = Y.row(Eigen::Index(i));
   }
   return result;
 }

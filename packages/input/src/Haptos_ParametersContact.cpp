@@ -244,12 +244,13 @@ ParameterTree contactSection() {
                .notEmpty())
       .add(rigidPlane())
       .add(ParameterSpec("Discretization", {Type::String},
-                         "Node To Node needs matching meshes; Mortar is weak contact between any; Automatic takes Node To Node where meshes match")
+                         "Node To Node needs matching meshes; Mortar is weak contact between any; Automatic takes Node To Node where meshes match and surfaces have no "
+                         "creases")
                .defaultTo(std::string(nameOf(ContactOptions{}.discretization)))
                .oneOf(choiceNames<Discretization>()))
       .add(ParameterSpec("Sides", {Type::String},
-                         "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface, but none of which supports "
-                         "leave a row of nodes or fewer; As Given the one named so")
+                         "Mortar: Automatic lets the softer side, of two alike the finer one, be the secondary surface, but none of which supports or "
+                         "the other body leave a row of nodes or fewer, and the one named so where a nodal field gives friction; As Given the one named so")
                .defaultTo(std::string(nameOf(ContactOptions{}.sides)))
                .oneOf(choiceNames<ContactSides>()))
       .add(ParameterSpec("Multiplier Space", {Type::String},

@@ -31,8 +31,10 @@ struct ContactPair {
   std::array<char, 3> isPinned{};  ///< rows N, T1, T2 (x, y, z of a tied pair) that are left out whatever they reach
   std::optional<std::array<double, 2>> coefficients = std::nullopt;  ///< F1, F2 [-] of its own; else those of its interface
   double size = 0;             ///< shortest edge around the secondary node; 0 where no mesh is known
+  /// Of t1, by its components along the axes of friction, where supports leave only that direction to slip; none: t1 and t2 are these axes.
+  std::optional<std::array<double, 2>> along = std::nullopt;
 
-  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients, size); }  ///< see ByteWriter
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients, size, along); }  ///< see ByteWriter
 };
 
 /// \brief The deepest overlap of two surfaces before any load; depth 0: none.

@@ -144,10 +144,24 @@ void keepUnpaired(const ContactSpec& spec, const SurfaceCouple& couple, std::vec
   if (!spec.tied && !nodes.empty()) interface.unpaired = std::make_shared<UnpairedNodes>(std::move(nodes), couple.primary, spec.initialPenetration);
 }
 
+// [secondary nodes] of the faces that are covered as wholes: a surface that reaches beyond the other one has its pressure there only.  A node with no
+// such face keeps its whole area.
+std::vector<double> areasInContact(const ContactSurface& surface, const SurfaceMatch& match) {
+  std::vector<char> isCovered(surface.numFacets(), 1);
+  for (std::size_t f = 0; f < surface.numFacets(); ++f)
+    for (const int node : surface.facets[f])
+      if (node >= 0 && match.partner[std::size_t(node)] < 0) isCovered[f] = 0;
+  std::vector<double> areas = areasOnFacets(surface, isCovered);
+  for (std::size_t i = 0; i < areas.size(); ++i)
+    if (!(areas[i] > 0)) areas[i] = surface.areas[i];
+  return areas;
+}
+
 // One pair a secondary node that has a partner; nodes without one take no part, which is noted.
 void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, ContactInterface& interface) {
   const ContactSurface &secondary = couple.secondary, &primary = couple.primary;
   const SurfaceMatch match = matchSurfaces(couple, spec.matchingTolerance);
+  const std::vector<double> areas = areasInContact(secondary, match);
   std::size_t onBothSides = 0;
   std::vector<UnpairedNodes::Node> unpaired;
   for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
@@ -163,7 +177,7 @@ void pairNodeToNode(const ContactSpec& spec, const SurfaceCouple& couple, Contac
     interface.pairs.push_back({secondary.nodes[i], {{secondary.nodes[i], 1.0}}, {{partner, 1.0}},
                                spec.frameAt(secondary.nodes[i], secondary.normals[i]),
                                spec.gapAt ? spec.gapAt(secondary.nodes[i]) : match.gap[i],
-                               secondary.areas[i]});
+                               areas[i]});
     interface.pairs.back().size = secondary.sizes[i];
   }
   interface.unpairedNodes = unpaired.size();
@@ -203,13 +217,22 @@ std::optional<RoundSurface> roundSurfaceOf(const ContactSpec& spec, const Contac
   }
 }
 
+// A node on a crease has one pair node to node, along a mean of normals that is none of its faces'; patches of mortar have one each.
+std::string creaseIn(const Mesh& mesh, const ContactSpec& spec) {
+  if (spec.tied || spec.discretization != Discretization::Automatic) return "";
+  for (const auto& set : {spec.secondarySideSet, spec.primarySideSet})
+    if (smoothPatches(mesh, set).size() > 1) return "'" + set + "' has creases";
+  return "";
+}
+
 // Node to node where the meshes match or where it is asked for.
-// \param mustBeMortar why; empty: by itself it need not
+// \param toldToBeMortar why; empty: by itself it need not
 std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around,
-                                         const std::string& mustBeMortar, ContactInterface& interface) {
+                                         const std::string& toldToBeMortar, ContactInterface& interface) {
   ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
   checkSharedNodes(mesh, spec, secondary, primary);
+  const std::string mustBeMortar = toldToBeMortar.empty() ? creaseIn(mesh, spec) : toldToBeMortar;
   std::string reason = mustBeMortar.empty() ? "Discretization is Mortar" : mustBeMortar;
   if (hasMiddles(secondary) || hasMiddles(primary)) {  // all nodes take the rows of mortar there, the same ones where the meshes match
     if (spec.discretization == Discretization::NodeToNode) matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
@@ -236,11 +259,24 @@ std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& sp
   return drafts;
 }
 
+// Of faces that look towards the plane, the others are noted: those of a body's sides and back may be in its side set, and never touch.
+ContactSurface surfaceOnPlane(const Mesh& mesh, const ContactSpec& spec, ContactInterface& interface) {
+  const auto towards = Vec3::scale(-1.0, spec.rigidPlane->normal);
+  ContactSurface facing = facesTowards(mesh, spec.secondarySideSet, towards);
+  HAPTOS_REFUSE_IF(facing.nodes.empty(), "Contact '" << spec.name << "': no face of side set '" << facing.name
+                                                     << "' looks towards the Rigid Plane; its Normal " << show(spec.rigidPlane->normal)
+                                                     << " must point to the body. Is it the wrong side set, or the wrong sign?");
+  const std::size_t all = mesh.sideSets[std::size_t(findSideSet(mesh, spec.secondarySideSet))].sides.size();
+  if (all > facing.faces.size())
+    interface.notes.push_back("'" + spec.name + "': " + std::to_string(all - facing.faces.size()) + " of " + std::to_string(all) + " faces of '" + facing.name +
+                              "' do not look towards the Rigid Plane, and take no part in the contact");
+  return facing;
+}
+
 // Every secondary node is paired with the plane, whatever its distance: the gap is - (x - point) . n.
 void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, ContactInterface& interface) {
   // n = -Normal: outward from the body, towards the obstacle
   const LocalFrame common = makeFrame(Vec3::scale(-1.0, spec.rigidPlane->normal), spec.principalDirection);
-  double best = -1.0;
   const auto gapAt = [&](int node) {
     if (spec.gapAt) return std::optional(spec.gapAt(secondary.nodes[std::size_t(node)]));
     return std::optional(-Vec3::dot(Vec3::subtract(secondary.coordinates[std::size_t(node)], spec.rigidPlane->point), common.normal));
@@ -250,19 +286,13 @@ void pairWithPlane(const ContactSpec& spec, const ContactSurface& secondary, Con
     interface.pairs.push_back({secondary.nodes[i], std::move(weights), {}, frame, gap, area});
     interface.pairs.back().size = secondary.sizes[i];
   };
-  for (std::size_t i = 0; i < secondary.numNodes(); ++i) {
-    best = std::max(best, Vec3::dot(secondary.normals[i], common.normal));
-    if (!hasMiddles(secondary)) add(i, {{secondary.nodes[i], 1.0}}, *gapAt(int(i)), secondary.areas[i]);
-  }
   if (hasMiddles(secondary)) {
     interface.isMortar = true;
     for (const MortarRow& row : rowsOfWholeSurface(secondary, spec.multiplierSpace == MultiplierSpace::Linear))
       add(std::size_t(row.node), onMesh(secondary, row.secondary), *gapOfRow(row, gapAt), row.w);
+  } else {
+    for (std::size_t i = 0; i < secondary.numNodes(); ++i) add(i, {{secondary.nodes[i], 1.0}}, *gapAt(int(i)), secondary.areas[i]);
   }
-  HAPTOS_REFUSE_IF(best <= 1e-6,
-                   "Contact '" << spec.name << "': no face of side set '" << secondary.name
-                               << "' looks towards the Rigid Plane; its Normal " << show(spec.rigidPlane->normal)
-                               << " must point to the body. Is it the wrong side set, or the wrong sign?");
 }
 
 // Of one interface, but for the pairs of mortar.
@@ -273,7 +303,8 @@ std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spe
   interface.name = spec.name;
   interface.tied = spec.tied;
   if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, mustBeMortar, interface);
-  pairWithPlane(spec, surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set"), interface);
+  surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");  // refuses what no contact can be made with
+  pairWithPlane(spec, surfaceOnPlane(mesh, spec, interface), interface);
   finishGaps(mesh, spec, interface);
   return {};
 }

@@ -41,6 +41,7 @@ struct ContactSpec {
   double matchingTolerance = 1e-3;  ///< tangential mismatch allowed, of the local element size; in (0, 0.25]
   Discretization discretization = Discretization::Automatic;
   ContactSides sides = ContactSides::Automatic;
+  bool isToldAtNodes = false;  ///< the law is told at nodes of the side that is given as secondary: sides stay as given
   MultiplierSpace multiplierSpace = MultiplierSpace::Automatic;
   std::function<double(std::int64_t)> gapAt;  ///< by mesh node, in place of that of the geometry; or none
   InitialPenetration initialPenetration = InitialPenetration::Resolve;

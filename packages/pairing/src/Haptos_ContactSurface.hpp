@@ -46,6 +46,12 @@ struct ContactSurface {
 ///   area, or if the faces around a node look in opposite directions, so that it has no outward normal
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 
+/// \brief Those of its faces that look along a direction, as a surface of their own; without nodes if none does.
+ContactSurface facesTowards(const Mesh& mesh, const std::string& sideSet, const std::array<double, 3>& direction);
+
+/// \brief [numNodes] tributary areas on some of the facets.  \param counts [numFacets]
+std::vector<double> areasOnFacets(const ContactSurface& surface, const std::vector<char>& counts);
+
 constexpr double creaseCosine = 0.766;  ///< 40 degrees between faces: more is a crease
 
 /// \brief The same surface cut along its creases, so that each patch has nodes and normals of its own there; one patch if there are none.

@@ -35,17 +35,17 @@ std::vector<Bar> barsOfHeld(const ContactSpec& spec, const ContactSurroundings& 
   return bars;
 }
 
-// How many motions multipliers resist: none where all is held, 1 if they are at a point, 2 on a line, about which bodies may tilt, 3 on a surface.
-int rankOfMultipliers(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface) {
+// How many motions multipliers resist that this side would carry: none where all is held, 1 if they are at a point, 2 on a line, about which bodies may
+// tilt, 3 on a surface.
+int rankOfMultipliers(const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& surface, const ContactSurface& opposite) {
   constexpr double kThin = 1e-6;  // of the longest extent
   const std::vector<Bar> bars = barsOfHeld(spec, around, surface);
-  const auto numHeld = std::size_t(std::count(bars.begin(), bars.end(), Bar::Held));
-  if (numHeld == 0) return 3;
-  if (numHeld == bars.size()) return 0;
-  const auto isKept = chooseMultipliers(surface, wholeSurface(surface), bars, spec.multiplierSpace == MultiplierSpace::Linear).isKept;
+  if (std::count(bars.begin(), bars.end(), Bar::Held) == std::ptrdiff_t(bars.size())) return 0;
+  const auto isKept = chooseMultipliers(surface, roughOverlap(surface, opposite), bars, spec.multiplierSpace == MultiplierSpace::Linear).isKept;
   std::vector<std::size_t> carriers;
   for (std::size_t i = 0; i < isKept.size(); ++i)
     if (isKept[i]) carriers.push_back(i);
+  if (carriers.empty()) return 0;
   Eigen::Matrix3Xd offsets(3, Eigen::Index(carriers.size()));
   for (std::size_t k = 0; k < carriers.size(); ++k) {
     const auto offset = Vec3::subtract(surface.coordinates[carriers[k]], surface.coordinates[carriers.front()]);
@@ -57,20 +57,30 @@ int rankOfMultipliers(const ContactSpec& spec, const ContactSurroundings& around
   return 1 + std::min(2, int(qr.rank()));
 }
 
-}  // namespace
-
-std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
-                             const ContactSurface& primary) {
+// Why the given primary side is the better one to carry multipliers, by material and mesh; empty: it is not.
+std::string reasonOfBodies(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
+                           const ContactSurface& primary) {
   constexpr double kStiffer = 1.5, kFiner = 0.8;  // ratios that differ by more than chance
-  if (spec.sides == ContactSides::AsGiven) return "";
-  const int rank = rankOfMultipliers(spec, around, secondary), primaryRank = rankOfMultipliers(spec, around, primary);
-  if (rank != primaryRank) return rank > primaryRank ? "" : rank == 0 ? "which is not held" : "which supports leave more nodes";
   if (!around.youngsModulus.empty()) {
     const double E1 = stiffnessAt(mesh, around, spec.secondarySideSet), E2 = stiffnessAt(mesh, around, spec.primarySideSet);
     if (E1 > kStiffer * E2) return "the softer of the two";
     if (E2 > kStiffer * E1) return "";
   }
   return meanArea(primary) < kFiner * meanArea(secondary) ? "the finer of the two" : "";
+}
+
+}  // namespace
+
+// The better side by material and mesh, unless it would have too few multipliers to resist a tilt, and the other one more of them.
+std::string reasonToExchange(const Mesh& mesh, const ContactSpec& spec, const ContactSurroundings& around, const ContactSurface& secondary,
+                             const ContactSurface& primary) {
+  if (spec.sides == ContactSides::AsGiven || spec.isToldAtNodes) return "";
+  const std::string reason = reasonOfBodies(mesh, spec, around, secondary, primary);
+  const ContactSurface &better = reason.empty() ? secondary : primary, &other = reason.empty() ? primary : secondary;
+  const int rank = rankOfMultipliers(spec, around, better, other);
+  if (rank == 3 || rankOfMultipliers(spec, around, other, better) <= rank) return reason;
+  if (!reason.empty()) return "";
+  return rank == 0 ? "which is not held" : "which has more nodes to carry them";
 }
 
 }  // namespace Haptos

@@ -41,7 +41,9 @@ std::vector<Polygon> fanOf(const Polygon& polygon, bool fromMiddle) {
 
 class Overlap {
  public:
-  Overlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) : s_(secondary), p_(primary), tree_(tree) {}
+  enum class Rule { Exact, Middle };
+  Overlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree, Rule rule = Rule::Exact)
+      : s_(secondary), p_(primary), tree_(tree), rule_(rule) {}
 
   SurfaceOverlap run() {
     result_ = wholeSurface(s_);
@@ -70,6 +72,7 @@ class Overlap {
 
   const ContactSurface &s_, &p_;
   const FacetTree& tree_;
+  Rule rule_;
   std::vector<int> found_;
   SurfaceOverlap result_;
 };
@@ -155,6 +158,7 @@ void Overlap::integrate(int facet, const Segment& segment, const ProjectionPlane
   auto known = std::find_if(sums.across.begin(), sums.across.end(), [&](const auto& item) { return item.first == otherFace; });
   if (known == sums.across.end())
     known = sums.across.insert(sums.across.end(), {otherFace, Eigen::MatrixXd::Zero(own.face.size, other.face.size)});
+  if (rule_ == Rule::Middle) return addPoint(own, other, plane, centroidOf(segment.polygon), areaOf(segment.polygon), sums, known->second);
   const bool areTriangles = isTriangle(own.face.size) && isTriangle(other.face.size);
   // Products of degree 4, or edges that are bent: cutting along chords leaves out far more than seven points do.  The inverse of a bilinear map is
   // no polynomial: see real distorted quadrilaterals in decisions/031.
@@ -226,6 +230,10 @@ SurfaceOverlap wholeSurface(const ContactSurface& surface) {
 
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree) {
   return Overlap(secondary, primary, tree).run();
+}
+
+SurfaceOverlap roughOverlap(const ContactSurface& secondary, const ContactSurface& primary) {
+  return Overlap(secondary, primary, FacetTree(primary), Overlap::Rule::Middle).run();
 }
 
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary) {

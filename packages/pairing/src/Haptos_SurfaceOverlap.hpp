@@ -42,6 +42,9 @@ struct SurfaceOverlap {
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary, const FacetTree& tree);
 SurfaceOverlap integrateOverlap(const ContactSurface& secondary, const ContactSurface& primary);
 
+/// \brief The same with a point a piece: what is covered and how much of it, in a fraction of the time.
+SurfaceOverlap roughOverlap(const ContactSurface& secondary, const ContactSurface& primary);
+
 /// \brief All of a surface, opposite a rigid obstacle: nothing across, no gap.  Serial.
 SurfaceOverlap wholeSurface(const ContactSurface& surface);
 

@@ -200,6 +200,7 @@ TEUCHOS_UNIT_TEST(ContactPairs, SecondaryLargerThanPrimary) {
     TEST_EQUALITY(interface.unpairedNodes, 8u);
     TEST_EQUALITY(interface.notes.size(), 1u);
     TEST_ASSERT(contains(interface.notes[0], "8 of 20 nodes"));
+    TEST_FLOATING_EQUALITY(totalArea(interface), 1.0, 1e-13);  // of the faces that are covered
     for (const ContactPair& pair : interface.pairs)
       TEST_ASSERT(distance(pair.frame.normal, {0, 0, 1}) < 1e-15);
   }
@@ -259,6 +260,31 @@ TEUCHOS_UNIT_TEST(ContactPairs, RigidPlane) {
       TEST_COMPARE(distance(pair.frame.normal, rotate(r, {0, 0, -1})), <, 1e-14);
       TEST_COMPARE(distance(pair.frame.t1, rotate(r, {0, 1, 0})), <, 1e-14);
     }
+  }
+}
+
+// A side set may have all faces of a body: those at its sides and back never touch the plane, and have no area there.
+TEUCHOS_UNIT_TEST(ContactPairs, RigidPlaneTakesTheFacesThatLookAtIt) {
+  for (const Topology element : {Topology::Hex8, Topology::Tet4}) {
+    Stack stack;
+    stack.lowerTopology = element;
+    Mesh mesh = makeStack(stack);
+    auto& set = mesh.sideSets[std::size_t(findSideSet(mesh, "lower_bottom"))].sides;
+    const std::size_t facing = set.size();
+    for (const char* name : {"lower_end", "lower_contact"}) {
+      const auto& more = mesh.sideSets[std::size_t(findSideSet(mesh, name))].sides;
+      set.insert(set.begin(), more.begin(), more.end());
+    }
+    ContactSpec spec = contact("lower_bottom", "");
+    spec.rigidPlane = RigidPlane{{0, 0, -1}, {0, 0, 1}};
+    const ContactInterface interface = pairsOf(mesh, spec);
+    TEST_EQUALITY(interface.pairs.size(), 20u);
+    TEST_FLOATING_EQUALITY(totalArea(interface), 2.0, 1e-13);
+    for (const ContactPair& pair : interface.pairs) TEST_COMPARE(std::abs(pair.gap), <, 1e-14);
+    const std::string told = std::to_string(set.size() - facing) + " of " + std::to_string(set.size()) + " faces";
+    TEST_ASSERT(interface.notes.size() == 1 && contains(interface.notes[0], told));
+    spec.rigidPlane->normal = {0, 1, 0};
+    TEST_ASSERT(contains(refusal(mesh, spec), "looks towards the Rigid Plane"));
   }
 }
 

@@ -123,6 +123,33 @@ TEUCHOS_UNIT_TEST(QuadraticMortar, sides_that_would_leave_one_row_are_not_exchan
       }
 }
 
+// A stiff punch on few faces of a soft block: the softer side has one node under it, about which the punch could tilt.
+TEUCHOS_UNIT_TEST(QuadraticMortar, sides_that_have_a_node_under_the_other_body_are_not_exchanged) {
+  for (const Topology element : {Topology::Hex8, Topology::Hex20}) {
+    Stack stack;
+    stack.lowerFrom = {-1, -1, -1};
+    stack.lowerTo = {1, 1, 0};
+    stack.lowerDivisions = {4, 4, 2};
+    stack.upperFrom = {-0.3, -0.3, 0};
+    stack.upperTo = {0.3, 0.3, 0.6};
+    stack.upperDivisions = {6, 6, 1};
+    ContactSpec spec = contact();
+    spec.discretization = Discretization::Mortar;
+    ContactSurroundings around;
+    around.youngsModulus = {1, 1000};
+    const auto isExchanged = [&](double halfWidth, bool isToldAtNodes) {
+      stack.upperFrom = {-halfWidth, -halfWidth, 0};
+      stack.upperTo = {halfWidth, halfWidth, 0.6};
+      spec.isToldAtNodes = isToldAtNodes;
+      return buildContact(stackOf(element, element, stack), {spec}, around)[0].isExchanged;
+    };
+    TEST_ASSERT(!isExchanged(0.3, false));
+    TEST_ASSERT(!isExchanged(0.45, false));
+    TEST_ASSERT(isExchanged(0.9, false));
+    TEST_ASSERT(!isExchanged(0.9, true));  // friction is told at the nodes of the given side
+  }
+}
+
 // On a face with all multipliers the row of a corner is its own displacement, that of a middle (5 u_m - u_c1 - u_c2) / 3; of 9 nodes each
 // its own.
 TEUCHOS_UNIT_TEST(QuadraticMortar, rows_between_plane_surfaces_meshed_apart) {

@@ -47,7 +47,7 @@ void MpgpIter<Scalar, MV, OP>::iterate() {
       const Scalar pAp = applyToDirection();
       const Scalar alphaCg = pAp > 0 ? Details::dot<Scalar>(*g_, *p_) / pAp : std::numeric_limits<Scalar>::infinity();
       const Scalar alphaFeasible = problem_->feasibleSet()->maxFeasibleStep(*x_, *p_);
-      TEUCHOS_TEST_FOR_EXCEPTION(std::isinf(alphaCg) && std::isinf(alphaFeasible), std::runtime_error,
+      TEUCHOS_TEST_FOR_EXCEPTION(std::isinf(alphaCg) && std::isinf(alphaFeasible), UnboundedCost,
                                  "MPGP: the cost is unbounded from below: A has a zero eigenvalue along which "
                                  "neither the set nor the equality holds the iterate");
       if (alphaCg <= alphaFeasible)

@@ -2,11 +2,18 @@
 #pragma once
 #include <BelosLinearProblem.hpp>
 #include <BelosTpetraAdapter.hpp>  // the traits of MultiVector and Operator, before any use of them
+#include <stdexcept>
 
 #include "Haptos_FeasibleSet.hpp"
 #include "Haptos_Types_fwd.hpp"
 
 namespace Haptos {
+
+/// \brief The cost falls without end in a direction that neither the set nor the equality forbids: there is no solution.
+class UnboundedCost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
 
 /// \brief A convex quadratic program with a separable convex set and a linear equality.
 ///

@@ -19,6 +19,8 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   result.area = geometry.area;
   result.size = geometry.size;
   result.axis = geometry.frame.t1;
+  if (const auto& v = geometry.along)  // the axis of friction from which t1 was turned
+    for (int d = 0; d < 3; ++d) result.axis[d] = (*v)[0] * geometry.frame.t1[d] - (*v)[1] * geometry.frame.t2[d];
   result.normal = geometry.frame.normal;
   result.secondary = geometry.secondary;
   result.primary = geometry.primary;
@@ -78,7 +80,7 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
 }
 
 // Of displacements, not of rows: frictionless pairs slip and have no tangential rows.
-void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs) {
+void setSlip(const NodalGather& gather, const std::vector<double>& displacement, const std::vector<char>& isExchanged, std::vector<PairResult>& pairs) {
   std::vector<std::int64_t> nodes;
   for (const PairResult& pair : pairs)
     for (const auto* side : {&pair.secondary, &pair.primary})
@@ -93,7 +95,7 @@ void setSlip(const NodalGather& gather, const std::vector<double>& displacement,
   };
   for (PairResult& pair : pairs) {
     const auto secondary = sumOf(pair.secondary), primary = sumOf(pair.primary);
-    const auto jump = Vec3::subtract(secondary, primary);
+    const auto jump = isExchanged[std::size_t(pair.interface)] ? Vec3::subtract(primary, secondary) : Vec3::subtract(secondary, primary);
     const double opening = Vec3::dot(jump, pair.normal);
     for (int d = 0; d < 3; ++d) pair.slip[d] = jump[d] - opening * pair.normal[d];
   }

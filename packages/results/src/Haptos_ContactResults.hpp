@@ -52,7 +52,7 @@ std::vector<PairResult> gatherTiedResults(const MultiplierMap& multipliers, cons
 /// \brief Tangential part of u_secondary - u_primary for all pairs, also those without tangential rows.
 /// \param displacement [3 x nodes of this rank's range], mean of the copies
 /// \param pairs on any rank.  Collective.
-void setSlip(const NodalGather& gather, const std::vector<double>& displacement, std::vector<PairResult>& pairs);
+void setSlip(const NodalGather& gather, const std::vector<double>& displacement, const std::vector<char>& isExchanged, std::vector<PairResult>& pairs);
 
 /// \brief Closed pairs of one interface that slide by more than half of their element, where rows no longer belong to what lies opposite.
 struct LargeSliding {

@@ -68,7 +68,7 @@ class ContactFields {
       else if (!item.isSecondary || !isOwn[i]) describe(i, std::abs(item.factor), item.pair);
     }
     for (const auto& [place, share] : shares_)
-      if (share[1] > 0) pressure[place.second] += share[0] / share[1];
+      if (share[1] > 0) pressure[place] = share[0] / share[1];
   }
 
  private:
@@ -77,8 +77,8 @@ class ContactFields {
   }
 
   void describe(std::size_t i, double weight, const PairState& pair) {
-    auto& share = shares_[{pair.interface, i}];
-    // Mean pressure = sum of forces over sum of areas, interface by interface: a node in two interfaces has the sum of their pressures.
+    auto& share = shares_[i];
+    // Mean pressure = sum of forces over sum of areas, of all interfaces that meet at the node.
     share[0] += weight * pair.normalForce;
     share[1] += weight * pair.area;
     // Of several pairs the closest counts, and the state that holds most.
@@ -95,7 +95,7 @@ class ContactFields {
   }
 
   Values most_;  // largest weight so far
-  std::map<std::pair<int, std::size_t>, std::array<double, 2>> shares_;  // interface, node -> force and area
+  std::map<std::size_t, std::array<double, 2>> shares_;  // node -> force and area
 };
 
 // The force of a pair on every node that shares it, weight by weight, with the opposite sign on the primary side.

@@ -15,7 +15,9 @@
 #include "Haptos_MeshFiles.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Partition.hpp"
+#include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SystemChecks.hpp"
 
 namespace Haptos {
 namespace {
@@ -243,26 +245,45 @@ std::string describeNode(const Communicator& comm, const MeshShare& mesh, std::i
   return ByteReader(message).readString();
 }
 
-void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data) {
-  struct Overlap {
-    int interface, position;
-    std::int64_t node;
-    double depth;
-  };
+namespace {
+
+double sizeOf(const Communicator& comm, const MeshShare& mesh) {
   const auto box = boxOf(comm, mesh);
-  const double size = std::max({-box[3] - box[0], -box[4] - box[1], -box[5] - box[2]});
-  std::vector<Overlap> overlaps;
-  for (const auto& pair : multipliers.pairs())
-    if (const auto row = std::size_t(pair.normal); multipliers.pinned()[row] && multipliers.c()[row] < -1e-9 * size)
-      overlaps.push_back({pair.interface, pair.pair, pair.geometry.secondaryNode, -multipliers.c()[row]});
-  overlaps = gatheredOnAll(comm, overlaps);
-  if (overlaps.empty()) return;
-  const auto first = *std::min_element(overlaps.begin(), overlaps.end(), [](const Overlap& a, const Overlap& b) {
-    return a.interface != b.interface ? a.interface < b.interface : a.position < b.position;
-  });
-  throw InsufficientModel("The model has no solution: at " + describeNode(comm, mesh, first.node) + " of contact '" +
-                          data.interfaceNames[std::size_t(first.interface)] + "' the prescribed displacements make the surfaces overlap by " +
-                          numberText(first.depth) + ".");
+  return std::max({-box[3] - box[0], -box[4] - box[1], -box[5] - box[2]});
+}
+
+// Of a pair that only one axis is left to.
+bool hasPrescribedSlip(const MultiplierMap& multipliers, const LocalPair& pair, const FrictionSpec& spec, double least) {
+  const auto F = pair.geometry.coefficients.value_or(spec.coefficients);
+  const auto isPinned = [&](int t) { return multipliers.pinned()[std::size_t(pair.tangential[t])] != 0; };
+  if (pair.tangential[0] < 0 || pair.tangential[1] < 0 || isPinned(0) == isPinned(1)) return false;
+  const int t = isPinned(0) ? 0 : 1;
+  return F[t] > 0 && std::abs(multipliers.c()[std::size_t(pair.tangential[t])]) > least;
+}
+
+}  // namespace
+
+void notePrescribedSlips(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, ModelData& data) {
+  constexpr double kRoundOff = 1e-9;
+  const double least = kRoundOff * sizeOf(comm, mesh);
+  std::vector<long> counts(data.interfaceNames.size(), 0);
+  for (const LocalPair& pair : multipliers.pairs())
+    counts[std::size_t(pair.interface)] += hasPrescribedSlip(multipliers, pair, data.friction[std::size_t(pair.interface)], least);
+  counts = sumOfAll(comm, counts);
+  for (std::size_t k = 0; k < counts.size(); ++k)
+    if (counts[k] > 0)
+      data.notes.push_back("'" + data.interfaceNames[k] + "': supports prescribe the slip of " + std::to_string(counts[k]) +
+                           " pairs along one axis of friction; friction along it is part of the reactions there, and along the other axis it is as if "
+                           "nothing slipped along the first: prescribe nodes that are not in contact, or turn the Principal Direction (by 45 degrees where "
+                           "the coefficients are equal)");
+}
+
+void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data) {
+  const auto overlap = firstPinnedOverlap(comm, multipliers, sizeOf(comm, mesh));
+  if (!overlap) return;
+  throw InsufficientModel("The model has no solution: at " + describeNode(comm, mesh, overlap->node) + " of contact '" +
+                          data.interfaceNames[std::size_t(overlap->interface)] + "' the prescribed displacements make the surfaces overlap by " +
+                          numberText(overlap->depth) + ".");
 }
 
 }  // namespace Haptos

@@ -305,7 +305,7 @@ SimulationResult Simulation::collect(const StepResult& step) {
   result.pairs.insert(result.pairs.end(), tied.begin(), tied.end());
   const NodalGather& gather = *feti.model().gather;
   result.displacement = gather.copies(*step.u).mean;
-  setSlip(gather, result.displacement, result.pairs);
+  setSlip(gather, result.displacement, model_->data.isExchanged, result.pairs);
   warnOfLargeSliding(result.pairs);
   report_.interfaces = summarizeInterfaces(result.pairs, model_->data.isExchanged);
   result.elements = gatherElementResults(*comm_, model_->subdomains, model_->data.materials, feti.jump().primalOffsets(), *step.u,

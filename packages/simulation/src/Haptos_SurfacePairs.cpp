@@ -152,6 +152,7 @@ std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshS
     runOnRoot(comm, [&] {
       for (std::size_t k = 0; k < draft.contacts.size(); ++k) {
         draft.contacts[k].directionAt = fields.directionAt(draft.contactOptions[k]);
+        draft.contacts[k].isToldAtNodes = !namedFields({draft.contactOptions[k]}).empty();
         draft.contacts[k].gapAt = gapFunction(draft.contactOptions[k], surfaces.mesh);
       }
       interfaces = buildContact(surfaces.mesh, draft.contacts, around);

@@ -121,6 +121,19 @@ LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lamb
   return {std::sqrt(sumOfAll(comm, mine.squares)), largestOfAll(comm, mine.largest)};
 }
 
+double externalForce(const LoadScales& loads, double reactions, double contactForces) {
+  constexpr double kOwnForces = 1e-3;
+  return std::max({loads.norm, reactions, kOwnForces * contactForces});
+}
+
+double squaresOfContactForces(const ContactLaw& law, const Vector& lambda) {
+  const auto data = lambda.getData(0);
+  double squares = 0;
+  for (const PairLaw& pair : law.pairs())
+    for (const double force : ContactLaw::gather(pair, data.getRawPtr())) squares += force * force;
+  return squares;
+}
+
 // || |K| |u| || row by row, from the sums over each row's components that were kept when K was there.
 double roundOffForce(const LocalSystems& systems, const std::vector<std::size_t>& offsets, const Vector& u) {
   const auto x = u.getData(0);
@@ -155,7 +168,7 @@ Accuracy measureAccuracy(const AccuracyInput& model, const Vector& u, const Vect
 
   Accuracy result;
   result.scales = {continuity.largest, std::max(model.loads.largest, reactions.largest)};
-  result.ext = std::max(model.loads.norm, reactions.norm);
+  result.ext = externalForce(model.loads, reactions.norm, std::sqrt(sumOfAll(*lambda.getMap()->getComm(), squaresOfContactForces(model.law, lambda))));
   result.errors = measureContact(model.law, lambda, s, result.scales);
   const double imbalance = std::sqrt(std::accumulate(squares.begin(), squares.end(), 0.0));
   result.errors.equilibrium = ratio(imbalance, result.ext);

@@ -26,11 +26,18 @@ LocalReactions localReactions(const MultiplierMap& multipliers, const Vector& la
 /// \brief 2-norm and largest nodal value of the reactions at prescribed displacements.  Collective.
 LoadScales measureReactions(const MultiplierMap& multipliers, const Vector& lambda);
 
+/// \brief What equilibrium is measured by: the 2-norm of loads or reactions [force], or a thousandth of that of contact forces.
+///
+/// These are larger where bodies press each other by their shapes alone, as in shrink fits, where loads and reactions may be 0.
+double externalForce(const LoadScales& loads, double reactions, double contactForces);
+/// \brief This rank's part of the squares of all contact forces [force^2].
+double squaresOfContactForces(const ContactLaw& law, const Vector& lambda);
+
 /// \brief How good (u, lambda) is, from u, lambda and the stiffnesses alone, as their source multiplies by them.
 struct Accuracy {
   KktErrors errors;
   KktScales scales;
-  double ext = 0;    ///< max(|| loads ||, || reactions ||) [force]
+  double ext = 0;    ///< see externalForce [force]
   double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext
   bool withoutForce = false;  ///< no load and no more than round-off: all errors in force are 0
   int residualBody = -1;              ///< the body with the largest part of the residual

@@ -11,8 +11,10 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_OptionTable.hpp"
+#include "Haptos_ParameterValue.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SystemChecks.hpp"
 #include "Haptos_SystemInput.hpp"
 
 namespace Haptos {
@@ -86,6 +88,12 @@ struct ContactSystem::Impl {
     if (refused.empty()) refused = text;
   }
 
+  // Of rows that are gone.
+  void forgetForces() {
+    lambda = Teuchos::null;
+    arePairsSolved = false;
+  }
+
   void changePairs() {
     changes.rows = true;
     arePairsSolved = false;
@@ -117,8 +125,7 @@ struct ContactSystem::Impl {
       work();
     } catch (...) {
       solver.reset();
-      lambda = Teuchos::null;
-      arePairsSolved = false;
+      forgetForces();
       throw;
     }
   }
@@ -133,7 +140,9 @@ struct ContactSystem::Impl {
     }
     if (other || what.values) {
       const auto rowsOfToday = input->makeRows();
-      if (what.stiffness) renew([&] { solver->renewStiffness(input->stiffness(), rowsOfToday); });
+      if (what.rows) forgetForces();
+      const auto rowsAre = what.rows ? StepSolver::Rows::Others : StepSolver::Rows::Same;
+      if (what.stiffness) renew([&] { solver->renewStiffness(input->stiffness(), rowsOfToday, rowsAre); });
       else if (what.rows) renew([&] { solver->renewRows(rowsOfToday); });
       rows += other;
       takeRows(rowsOfToday);
@@ -186,10 +195,12 @@ bool ContactSystem::addSubdomain(const SubdomainInput& subdomain) {
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
   if (twice != sorted.end()) return refuse(who + " has node " + std::to_string(*twice) + " twice.");
-  if (!sorted.empty() && sorted.front() < 0) return refuse(who + " has node " + std::to_string(sorted.front()) + "; ids must be >= 0.");
+  for (const auto id : sorted)
+    if (id < 0 || id > kLargestId)
+      return refuse(who + " has node " + std::to_string(id) + "; ids must be >= 0 and at most " + std::to_string(kLargestId) + ".");
   sub.part.coordinates = coordinatesOf(subdomain.coordinates);
   for (const auto& x : sub.part.coordinates)
-    if (!Vec3::isFinite(x)) return refuse(who + " has a coordinate that is not finite.");
+    if (!std::all_of(x.begin(), x.end(), isUsable)) return refuse(who + " has a coordinate that is not finite, or beyond 1e100.");
   sub.part.K = subdomain.K;
   if (subdomain.kernel.size() > 0)
     sub.part.kernel = Eigen::Map<const Eigen::MatrixXd>(subdomain.kernel.getRawPtr(), rows, subdomain.kernel.size() / rows);
@@ -202,8 +213,8 @@ void ContactSystem::addNodes(ArrayView<const GlobalOrdinal> nodes, ArrayView<con
     return impl_->refuse(std::to_string(nodes.size()) + " nodes come with " + std::to_string(coordinates.size()) + " coordinates; each has three.");
   const Coordinates places = coordinatesOf(coordinates);
   for (std::size_t i = 0; i < places.size(); ++i)
-    if (!Vec3::isFinite(places[i]))
-      return impl_->refuse("Node " + std::to_string(nodes[Teuchos::Ordinal(i)]) + " has a coordinate that is not finite.");
+    if (!std::all_of(places[i].begin(), places[i].end(), isUsable))
+      return impl_->refuse("Node " + std::to_string(nodes[Teuchos::Ordinal(i)]) + " has a coordinate that is not finite, or beyond 1e100.");
   for (Teuchos::Ordinal i = 0; i < nodes.size(); ++i) impl_->input->places[nodes[i]] = places[std::size_t(i)];
 }
 
@@ -222,9 +233,9 @@ int ContactSystem::addElement(int body, ArrayView<const GlobalOrdinal> nodes, Ar
                          std::to_string(9 * nodes.size() * nodes.size()) + ".");
   for (auto node : nodes) {
     const auto place = impl_->input->places.find(node);
-    if (place == impl_->input->places.end() || node < 0)
-      return refuse(who + " has node " + std::to_string(node) +
-                           ", whose place was not given on this rank: call addNodes first, with ids >= 0.");
+    if (place == impl_->input->places.end() || node < 0 || node > kLargestId)
+      return refuse(who + " has node " + std::to_string(node) + ", whose place was not given on this rank: call addNodes first, with ids >= 0 and at most " +
+                    std::to_string(kLargestId) + ".");
     // Copied now: the cutter needs them after the caller's arrays are gone.
     element.places.push_back(place->second);
   }
@@ -245,10 +256,9 @@ void ContactSystem::setElement(int element, ArrayView<const double> Ke) {
 }
 
 void ContactSystem::prescribe(GlobalOrdinal node, int component, double value) {
-  if (component < 0 || component >= kComponents || !std::isfinite(value))
-    return impl_->refuse("Component " + std::to_string(component) + " of node " + std::to_string(node) + " is prescribed as " +
-                         std::to_string(value) +
-                         "; components are 0, 1, 2 and values finite.");
+  if (component < 0 || component >= kComponents || !isUsable(value))
+    return impl_->refuse("Component " + std::to_string(component) + " of node " + std::to_string(node) + " is prescribed as " + numberText(value) +
+                         "; components are 0, 1, 2 and values finite, at most 1e100.");
   const auto [at, isNew] = impl_->input->prescribed.insert_or_assign({std::int64_t(node), component}, value);
   // Another value at a support moves c alone; a support more is a row more.
   (isNew ? impl_->changes.rows : impl_->changes.values) = true;
@@ -324,7 +334,7 @@ ContactSystem::Outcome ContactSystem::solve(const Vector& f, Vector& u) {
   runOnAllRanks(*impl_->comm, [&] {
     if (!fits) throw InputError("Loads and displacements of a system must lie on its map().");
     for (double value : f.getData(0))
-      if (!std::isfinite(value)) throw InputError("A load is not finite.");
+      if (!isUsable(value)) throw InputError("A load is not finite, or beyond 1e100.");
   });
   const auto& system = impl_->solver->system();
   const StepData step{impl_->input->spread(f, system.jump().getDomainMap()), impl_->c, impl_->input->prescribedHere()};
@@ -340,7 +350,7 @@ RCP<const Vector> ContactSystem::multipliers() const { return impl_->lambda; }
 // Rows lie where nodes lie; forces go back to the rank that added the pair, whose positions in an interface are one range.
 std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   if (anyOfAll(*impl_->comm, !impl_->arePairsSolved))
-    throw InputError("Contact forces are those of the last solve; nothing is solved yet, or pairs were added or cleared since: call solve first.");
+    throw InputError("Contact forces are those of the last solve; nothing is solved yet, or pairs, supports or kinds of laws are others since: call solve first.");
   const SystemInput& input = *impl_->input;
   const Communicator& comm = *impl_->comm;
   struct Force {
@@ -351,8 +361,12 @@ std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   const auto& laws = impl_->solver->system().law().pairs();
   const auto lambda = impl_->lambda->getData(0);
   std::vector<Force> mine;
-  for (std::size_t i = 0; i < laws.size(); ++i)
-    mine.push_back({multipliers.pairs()[i].interface, multipliers.pairs()[i].pair, ContactLaw::gather(laws[i], lambda.getRawPtr())});
+  for (std::size_t i = 0; i < laws.size(); ++i) {
+    const LocalPair& pair = multipliers.pairs()[i];
+    std::array<double, 3> force = ContactLaw::gather(laws[i], lambda.getRawPtr());
+    if (const auto& v = pair.geometry.along) force = {force[0], (*v)[0] * force[1], (*v)[1] * force[1]};  // the caller's axes
+    mine.push_back({pair.interface, pair.pair, force});
+  }
   for (const TiedPair& pair : multipliers.tiedPairs()) {  // rows along x, y, z
     const LocalFrame& frame = pair.geometry.frame;
     std::array<double, 3> sum{0, 0, 0};

@@ -30,7 +30,7 @@ struct PairInput {
   std::vector<std::pair<GlobalOrdinal, double>> primary;  ///< ids and weights, which add up to 1; none: a rigid obstacle
   std::array<double, 3> normal;  ///< outward from the secondary side
   std::array<double, 3> axis;    ///< first principal axis of friction, projected on the tangent plane
-  double gap = 0;   ///< [length] along the normal
+  double gap = 0;   ///< [length] along the normal; more than a million times the model counts as that; of no effect on ties
   double area = 1;  ///< tributary area of the node; only Tresca's law needs it
 };
 
@@ -105,7 +105,7 @@ class ContactSystem {
   RCP<const Vector> multipliers() const;  ///< of the last solve: reactions, gluing and contact forces by row
   /// \brief (lambda_N, lambda_T1, lambda_T2) of every pair that this rank added [force], along its normal, t1 and t2 = normal x t1 (`makeFrame`); a
   /// lambda_N > 0 presses, and the secondary side feels -lambda.  Collective.
-  /// \throws InputError on all ranks if nothing is solved, or pairs were added or cleared since
+  /// \throws InputError on all ranks if nothing is solved, or pairs, supports or kinds of laws are others since
   std::vector<std::array<double, 3>> contactForces() const;
 
   /// \brief Work since construction, over all ranks.  Collective.

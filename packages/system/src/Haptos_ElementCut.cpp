@@ -11,6 +11,7 @@
 #include "Haptos_Partition.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SampledCuts.hpp"
 #include "Haptos_Vec3.hpp"
 
 namespace Haptos {
@@ -39,15 +40,10 @@ std::vector<Place> placesOf(const std::vector<ElementMatrix>& elements, int rank
   return places;
 }
 
-// Sorted over the ranks, in even ranges.  A sample of every rank tells where to cut the order into about equal parts.
+// Sorted over the ranks, in even ranges.
 std::vector<Place> sortedInRanges(const Communicator& comm, std::vector<Place> mine, ElementRange& range) {
-  const auto ranks = std::size_t(comm.getSize());
   std::sort(mine.begin(), mine.end());
-  std::vector<Place> samples, cuts;
-  for (std::size_t r = 0; r < ranks && !mine.empty(); ++r) samples.push_back(mine[r * mine.size() / ranks]);
-  samples = gatheredOnAll(comm, samples);
-  std::sort(samples.begin(), samples.end());
-  for (std::size_t r = 1; r < ranks; ++r) cuts.push_back(samples[r * samples.size() / ranks]);
+  const std::vector<Place> cuts = sampledCuts(comm, mine);
   mine = sendItems(comm, mine, [&](const Place& place) { return int(std::upper_bound(cuts.begin(), cuts.end(), place) - cuts.begin()); });
   std::stable_sort(mine.begin(), mine.end());
   const Index count = Index(mine.size()), first = sumOfLower(comm, count);

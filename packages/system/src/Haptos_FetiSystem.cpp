@@ -41,8 +41,9 @@ FetiSystem::FetiSystem(SystemModel model)
       law_(makeContactLaw(*model_.multipliers, model_.friction)),
       systems_(Teuchos::rcp(new LocalSystems(model_.stiffness))) {}
 
-// K and R of every subdomain; then B, which needs sizes only.
+// K and R of every subdomain; then B, which needs sizes only.  Systems of before may have been factored half way.
 void FetiSystem::assemble() {
+  systems_ = Teuchos::rcp(new LocalSystems(model_.stiffness));
   runOnAllRanks(*model_.comm, [&] { systems_->assemble(); });
   useRows();
 }

@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "Haptos_Reductions.hpp"
+
 namespace Haptos {
 
 // The largest displacement of today, and what round-off does to forces at such displacements.
@@ -16,7 +18,8 @@ void KktEstimator::renewScale(const Vector& lambda, const Vector& s) {
   double mine = 0;
   for (int i = 0; i + 2 < int(data.size()); i += 3) mine = std::max(mine, std::hypot(data[i], data[i + 1], data[i + 2]));
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_MAX, mine, Teuchos::outArg(uRef_));
-  const double ext = std::max(loads_.norm, measureReactions(system_.jump().multipliers(), lambda).norm);
+  const double contact = std::sqrt(sumOfAll(*system_.model().comm, squaresOfContactForces(system_.law(), lambda)));
+  const double ext = externalForce(loads_, measureReactions(system_.jump().multipliers(), lambda).norm, contact);
   roundOff_ = roundOffForce(system_.systems(), system_.jump().primalOffsets(), *u);
   floor_ = ext > 0 ? roundOff_ / ext : 0.0;
 }
@@ -35,10 +38,10 @@ KktEstimator::Sizes KktEstimator::measureSizes(const Vector& lambda, const Vecto
 // || G lambda - e || / ext: the part of equilibrium that a dual method can miss; the rest holds by construction of u.
 double KktEstimator::measureEquilibrium(const Vector& lambda) const {
   const Eigen::VectorXd part = system_.dual().G->partOfG(lambda);
-  Eigen::VectorXd mine(part.size() + 1), all(part.size() + 1);
-  mine << part, localReactions(system_.jump().multipliers(), lambda).squares;
+  Eigen::VectorXd mine(part.size() + 2), all(part.size() + 2);
+  mine << part, localReactions(system_.jump().multipliers(), lambda).squares, squaresOfContactForces(system_.law(), lambda);
   Teuchos::reduceAll(*system_.model().comm, Teuchos::REDUCE_SUM, int(mine.size()), mine.data(), all.data());
-  const double ext = std::max(loads_.norm, std::sqrt(all[part.size()]));
+  const double ext = externalForce(loads_, std::sqrt(all[part.size()]), std::sqrt(all[part.size() + 1]));
   const double rest = (all.head(part.size()) - system_.dual().e).norm();
   if (!std::isfinite(rest)) return std::numeric_limits<double>::infinity();  // NaN would be lost in comparisons
   return ext > 0 && !isWithoutForce_ ? rest / ext : 0.0;

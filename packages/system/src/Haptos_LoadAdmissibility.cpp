@@ -2,12 +2,20 @@
 #include "Haptos_LoadAdmissibility.hpp"
 
 #include <Tpetra_Map.hpp>
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
+#include <set>
+#include <utility>
+#include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_DisjointSets.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FrictionCone.hpp"
 #include "Haptos_Reductions.hpp"
+#include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 namespace {
@@ -17,24 +25,89 @@ using SparseRows = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 // Coulomb's cone with all three components in it, which the law of a pair is not: forces are asked for, not motions.
 bool isCone(const PairLaw& pair) { return pair.law == FrictionLaw::Coulomb && pair.frictional() && !pair.normalPinned; }
 
-// Work of the contact forces of every owned pair on the free motions: 3 rows a pair.  Those of a cone belong to (lambda_N, F^-1 lambda_T), in
+// Motions that contact may hold together, [motions x free] of them, and the laws of the pairs of this rank that feel them.
+struct FreeGroup {
+  std::vector<int> motions;  // columns of Z, ascending
+  Eigen::MatrixXd N;         // orthonormal
+  std::vector<PairLaw> pairs;
+};
+
+std::array<int, 3> rowsOf(const PairLaw& pair) { return {pair.normal, pair.tangential[0], pair.tangential[1]}; }
+
+// Work of the contact forces of every pair on the free motions: 3 rows a pair.  Those of a cone belong to (lambda_N, F^-1 lambda_T), in
 // which it is circular: on flat ones (coefficients 3000 times apart) Newton's method got nowhere, here it takes a few steps.
-SparseRows pairRows(const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& N) {
+SparseRows pairRows(const FreeGroup& group, const SparseRows& GZ, const Eigen::MatrixXd& N) {
   std::vector<Eigen::Triplet<double>> triplets;
   const auto add = [&](int target, int row, double scale) {
     if (row < 0 || scale == 0) return;
-    const Eigen::VectorXd r = (GZ.row(row) * N).transpose();
+    Eigen::VectorXd r = Eigen::VectorXd::Zero(N.cols());
+    for (SparseRows::InnerIterator it(GZ, row); it; ++it) {
+      const auto found = std::lower_bound(group.motions.begin(), group.motions.end(), int(it.col()));
+      if (found != group.motions.end() && *found == int(it.col())) r += it.value() * N.row(found - group.motions.begin()).transpose();
+    }
     for (Eigen::Index j = 0; j < r.size(); ++j)
       if (r[j] != 0.0) triplets.emplace_back(target, int(j), scale * r[j]);
   };
-  for (std::size_t i = 0; i < law.pairs().size(); ++i) {
-    const PairLaw& pair = law.pairs()[i];
+  for (std::size_t i = 0; i < group.pairs.size(); ++i) {
+    const PairLaw& pair = group.pairs[i];
     add(3 * int(i), pair.normal, 1);
     for (std::size_t t = 0; t < 2; ++t) add(3 * int(i) + 1 + int(t), pair.tangential[t], isCone(pair) ? pair.coefficients[t] : 1);
   }
-  SparseRows H(3 * Eigen::Index(law.pairs().size()), N.cols());
+  SparseRows H(3 * Eigen::Index(group.pairs.size()), N.cols());
   H.setFromTriplets(triplets.begin(), triplets.end());
   return H;
+}
+
+// Two motions that a pair of any rank feels are in one group, and two of one free motion: bolts that touch nothing but plates which are held are each
+// a problem of their own, of six unknowns.  The same on all ranks but for the pairs.
+std::vector<FreeGroup> groupsOf(const Communicator& comm, const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& basis) {
+  struct Edge {
+    int a, b;
+  };
+  DisjointSets sets{std::size_t(basis.rows())};
+  std::vector<char> isFree(std::size_t(basis.rows()), 0);
+  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
+    int first = -1;
+    for (Eigen::Index m = 0; m < basis.rows(); ++m) {
+      if (basis(m, j) == 0) continue;
+      isFree[std::size_t(m)] = 1;
+      if (first < 0) first = int(m);
+      sets.join(first, int(m));
+    }
+  }
+  const auto firstFreeOf = [&](const PairLaw& pair, const auto& visit) {
+    int first = -1;
+    for (const int row : rowsOf(pair)) {
+      if (row < 0) continue;
+      for (SparseRows::InnerIterator it(GZ, row); it; ++it) {
+        if (!isFree[std::size_t(it.col())]) continue;
+        if (first < 0) first = int(it.col());
+        visit(first, int(it.col()));
+      }
+    }
+    return first;
+  };
+  std::set<std::pair<int, int>> mine;
+  for (const PairLaw& pair : law.pairs()) firstFreeOf(pair, [&](int a, int b) { mine.emplace(a, b); });
+  std::vector<Edge> edges;
+  for (const auto& [x, y] : mine) edges.push_back({x, y});
+  for (const Edge& edge : gatheredOnAll(comm, edges)) sets.join(edge.a, edge.b);
+
+  std::map<int, FreeGroup> groups;
+  for (Eigen::Index m = 0; m < basis.rows(); ++m)
+    if (isFree[std::size_t(m)]) groups[sets.lowest(int(m))].motions.push_back(int(m));
+  std::map<int, std::vector<Eigen::Index>> columns;
+  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
+    Eigen::Index m = 0;
+    while (basis(m, j) == 0) ++m;
+    columns[sets.lowest(int(m))].push_back(j);
+  }
+  for (auto& [lowest, group] : groups) group.N = orthonormalBasis(basis(group.motions, columns[lowest]));
+  for (const PairLaw& pair : law.pairs())
+    if (const int m = firstFreeOf(pair, [](int, int) {}); m >= 0) groups[sets.lowest(m)].pairs.push_back(pair);
+  std::vector<FreeGroup> result;
+  for (auto& [lowest, group] : groups) result.push_back(std::move(group));
+  return result;
 }
 
 ConeProjection projectPair(const PairLaw& pair, const std::array<double, 3>& x) {
@@ -52,8 +125,8 @@ struct DualState {
 class RigidBalance {
  public:
   // \param units of the entries of b
-  RigidBalance(const Communicator& comm, const ContactLaw& law, SparseRows H, Eigen::VectorXd b, Eigen::VectorXd units)
-      : comm_(comm), law_(law), H_(std::move(H)), b_(std::move(b)), units_(std::move(units)) {
+  RigidBalance(const Communicator& comm, const std::vector<PairLaw>& pairs, SparseRows H, Eigen::VectorXd b, Eigen::VectorXd units)
+      : comm_(comm), pairs_(pairs), H_(std::move(H)), b_(std::move(b)), units_(std::move(units)) {
     const double trace = sumOfAll(comm, H_.coeffs().square().sum());  // a rank may have no pairs
     eps_ = 1e-9 * std::max(trace, 1e-300) / double(std::max<Eigen::Index>(1, H_.cols()));
   }
@@ -63,9 +136,9 @@ class RigidBalance {
     const Eigen::VectorXd x = H_ * a;
     Eigen::VectorXd p(x.size());
     std::vector<Eigen::Triplet<double>> triplets;
-    for (std::size_t i = 0; i < law_.pairs().size(); ++i) {
+    for (std::size_t i = 0; i < pairs_.size(); ++i) {
       const int at = 3 * int(i);
-      const auto P = projectPair(law_.pairs()[i], {x[at], x[at + 1], x[at + 2]});
+      const auto P = projectPair(pairs_[i], {x[at], x[at + 1], x[at + 2]});
       for (int r = 0; r < 3; ++r) {
         p[at + r] = P.point[r];
         for (int c = 0; c < 3; ++c)
@@ -104,7 +177,7 @@ class RigidBalance {
 
  private:
   const Communicator& comm_;
-  const ContactLaw& law_;
+  const std::vector<PairLaw>& pairs_;
   double sizeOf(const Eigen::VectorXd& phi) const { return units_.cwiseProduct(phi).norm(); }
 
   SparseRows H_;
@@ -129,29 +202,40 @@ EvenMotions evenMotions(const Communicator& comm, const SparseRows& H) {
   return {eigen.vectors * units.cwiseInverse().asDiagonal(), units};
 }
 
+// Exists lambda in the cones with H^T lambda = b?  The regularised dual function is minimised; what imbalance is left where it is
+// least tells, and its a the motion that nothing stops: [motions of the group], or nothing.
+Eigen::VectorXd motionThatNothingStops(const Communicator& comm, const FreeGroup& group, const SparseRows& GZ, const Eigen::VectorXd& b) {
+  constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
+  const SparseRows H = pairRows(group, GZ, group.N);
+  const EvenMotions even = evenMotions(comm, H);
+  const RigidBalance balance(comm, group.pairs, pairRows(group, GZ, group.N * even.T), even.T.transpose() * b, even.units);
+  if (balance.imbalance(balance.solve()) <= kBalanced) return {};
+  // The motion that is named is the one of least distance in lengths.
+  const DualState state = RigidBalance(comm, group.pairs, H, b, Eigen::VectorXd::Ones(b.size())).solve();
+  const double sense = b.dot(state.a) < 0 ? -1 : 1;  // the loads' work is positive
+  return sense * (group.N * state.a);
+}
+
 }  // namespace
 
-// Exists lambda in the cones with H^T lambda = b?  The regularised dual function is minimised; what imbalance is left where it is
-// least tells, and its a the motion that nothing stops.
+// Group by group, as forces of one do nothing for another; of several that cannot be held the first is named.
 void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating, const NaturalCoarseSpace& G,
                             const Eigen::VectorXd& e, const BodyMotions& bodies, double loadScale) {
-  constexpr double kBalanced = 1e-5;  // of the loads; the regularisation leaves about 1e-9
+  constexpr double kUnloaded = 1e-9;
   if (floating.basis.cols() == 0) return;
-  const Eigen::MatrixXd N = orthonormalBasis(floating.basis);
-  const Eigen::VectorXd b = N.transpose() * (bodies.Z().transpose() * e);
-  if (b.norm() <= 1e-9 * loadScale) return;
+  const Eigen::VectorXd work = bodies.Z().transpose() * e;
   const SparseRows GZ = G.rows() * bodies.Z();
   const Communicator& comm = *G.getRangeMap()->getComm();
-  const SparseRows H = pairRows(law, GZ, N);
-  const EvenMotions even = evenMotions(comm, H);
-  const RigidBalance balance(comm, law, pairRows(law, GZ, N * even.T), even.T.transpose() * b, even.units);
-  if (balance.imbalance(balance.solve()) <= kBalanced) return;
-  // The motion that is named is the one of least distance in lengths.
-  const DualState state = RigidBalance(comm, law, H, b, Eigen::VectorXd::Ones(b.size())).solve();
-  const Eigen::VectorXd way = b.dot(state.a) < 0 ? Eigen::VectorXd(-N * state.a) : Eigen::VectorXd(N * state.a);  // the loads' work is positive
-  throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " +
-                          bodies.describeDriven(way) +
-                          ". Reduce the load in that direction, raise the friction, or fix the body there.");
+  for (const FreeGroup& group : groupsOf(comm, law, GZ, floating.basis)) {
+    const Eigen::VectorXd b = group.N.transpose() * work(group.motions);
+    if (b.norm() <= kUnloaded * loadScale) continue;
+    const Eigen::VectorXd driven = motionThatNothingStops(comm, group, GZ, b);
+    if (driven.size() == 0) continue;
+    Eigen::VectorXd way = Eigen::VectorXd::Zero(work.size());
+    way(group.motions) = driven;
+    throw InsufficientModel("The model has no solution: contact and friction cannot carry the loads on " + bodies.describeDriven(way) +
+                            ". Reduce the load in that direction, raise the friction, or fix the body there.");
+  }
 }
 
 }  // namespace Haptos

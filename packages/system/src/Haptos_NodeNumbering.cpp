@@ -2,35 +2,47 @@
 #include "Haptos_NodeNumbering.hpp"
 
 #include <algorithm>
-#include <iterator>
 
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SampledCuts.hpp"
 
 namespace Haptos {
 
-// An id lives with the rank in whose range of values it lies; numbers follow from how many ids lie below, so they ascend with ids.
+// Ids may lie anywhere, close together or far apart: where ranks begin follows from those that are there.  Numbers follow from how many ids
+// lie below, so they ascend with ids.
 NodeNumbering::NodeNumbering(RCP<const Communicator> comm, const std::vector<std::int64_t>& ids) : comm_(std::move(comm)) {
-  const std::int64_t largest = ids.empty() ? 0 : *std::max_element(ids.begin(), ids.end());
-  ranges_ = {largestOfAll(*comm_, largest) + 1, comm_->getSize()};
-  own_ = sendItems(*comm_, ids, [&](std::int64_t id) { return ranges_.owner(id); });
-  std::sort(own_.begin(), own_.end());
-  own_.erase(std::unique(own_.begin(), own_.end()), own_.end());
+  const auto keepEachOnce = [](std::vector<std::int64_t>& list) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+  };
+  std::vector<std::int64_t> mine = ids;
+  keepEachOnce(mine);
+  cuts_ = sampledCuts(*comm_, mine);
+  own_ = sendItems(*comm_, mine, [&](std::int64_t id) { return rankOf(id); });
+  keepEachOnce(own_);
   first_ = sumOfLower(*comm_, std::int64_t(own_.size()));
   size_ = sumOfAll(*comm_, std::int64_t(own_.size()));
 }
 
-// Ids beyond the largest that anybody brought have no owner, and need none.
+int NodeNumbering::rankOf(std::int64_t id) const { return int(std::upper_bound(cuts_.begin(), cuts_.end(), id) - cuts_.begin()); }
+
+std::int64_t NodeNumbering::numberOf(std::int64_t id) const {
+  const auto at = std::lower_bound(own_.begin(), own_.end(), id);
+  return at != own_.end() && *at == id ? first_ + (at - own_.begin()) : -1;
+}
+
+// Who keeps an id answers; answers come rank by rank, in the order in which that rank was asked.
 std::vector<std::int64_t> NodeNumbering::find(const std::vector<std::int64_t>& ids) const {
-  const auto isPossible = [&](std::int64_t id) { return id >= 0 && id < ranges_.size; };
-  std::vector<std::int64_t> possible, numbers;
-  std::copy_if(ids.begin(), ids.end(), std::back_inserter(possible), isPossible);
-  const auto found = RemoteValues(*comm_, ranges_, possible).fetch([&](std::int64_t place) {
-    const auto at = std::lower_bound(own_.begin(), own_.end(), ranges_.begin(comm_->getRank()) + place);
-    return at != own_.end() && *at == ranges_.begin(comm_->getRank()) + place ? first_ + (at - own_.begin()) : -1;
-  });
-  auto next = found.begin();
-  for (auto id : ids) numbers.push_back(isPossible(id) ? *next++ : -1);
+  std::vector<std::size_t> countFrom;
+  std::vector<std::int64_t> answers, numbers;
+  for (const std::int64_t id : sendItems(*comm_, ids, [&](std::int64_t i) { return rankOf(i); }, &countFrom)) answers.push_back(numberOf(id));
+  const auto answered = sendAnswers(*comm_, answers, countFrom);
+  std::vector<std::size_t> next(answered.size(), 0);
+  for (const std::int64_t id : ids) {
+    const auto rank = std::size_t(rankOf(id));
+    numbers.push_back(answered[rank][next[rank]++]);
+  }
   return numbers;
 }
 

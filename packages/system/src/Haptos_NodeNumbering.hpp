@@ -10,7 +10,7 @@ namespace Haptos {
 
 /// \brief Numbers 0 .. size - 1 for nodes that have any ids, in the order of the ids.
 ///
-/// Every rank keeps the ids of a range of values, whoever brought them.
+/// Every rank keeps about as many ids, between two values, whoever brought them.
 class NodeNumbering {
  public:
   NodeNumbering() = default;
@@ -22,8 +22,11 @@ class NodeNumbering {
   std::int64_t size() const { return size_; }  ///< over all ranks
 
  private:
+  int rankOf(std::int64_t id) const;
+  std::int64_t numberOf(std::int64_t id) const;  // of one that this rank keeps, or -1
+
   RCP<const Communicator> comm_;
-  EvenRanges ranges_;  // of ids
+  std::vector<std::int64_t> cuts_;  // [ranks - 1] the lowest ids of all ranks but the first
   std::int64_t first_ = 0, size_ = 0;
   std::vector<std::int64_t> own_;  // ascending
 };

@@ -3,17 +3,29 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <cmath>
 
 #include "Haptos_Reductions.hpp"
 
 namespace Haptos {
+
+namespace {
+
+// Of the axes of friction, or of the one direction that a pair may slip in.
+std::array<double, 2> coefficientsOf(const ContactPair& pair, const FrictionSpec& spec) {
+  const std::array<double, 2> F = pair.coefficients.value_or(spec.coefficients);
+  if (!pair.along) return F;
+  return {std::hypot(F[0] * (*pair.along)[0], F[1] * (*pair.along)[1]), 0.0};
+}
+
+}  // namespace
 
 // A tangential row that is missing or pinned has coefficient 0: the law then pins its force.
 ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
   std::vector<PairLaw> laws;
   for (const auto& pair : multipliers.pairs()) {
     const FrictionSpec& spec = friction[pair.interface];
-    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, pair.geometry.coefficients.value_or(spec.coefficients),
+    PairLaw law{pair.normal, {pair.tangential[0], pair.tangential[1]}, coefficientsOf(pair.geometry, spec),
                 spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
     for (int t = 0; t < 2; ++t)
       if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;

@@ -6,6 +6,7 @@
 #include <Tpetra_Vector.hpp>
 
 #include "Haptos_CoulombFixedPoint.hpp"
+#include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_KktEstimator.hpp"
 #include "Haptos_Reductions.hpp"
@@ -112,7 +113,8 @@ Outcome SmalseContactSolver::outcome() const {
 
 int SmalseContactSolver::outerIterations() const { return int(impl_->manager.history().size()); }
 
-bool SmalseContactSolver::solve(const SolveRequest& request) {
+// The dual cost falls without end where no displacements obey all that is asked of them.
+bool SmalseContactSolver::solve(const SolveRequest& request) try {
   const DualProblem& dual = context_.system.dual();
   impl_->request = request;
   const long others = dual.F->applications() - impl_->manager.counts().hessianApplications;  // a request counts those of the whole run
@@ -125,6 +127,9 @@ bool SmalseContactSolver::solve(const SolveRequest& request) {
   solution_.s = Teuchos::rcp(new Vector(*impl_->manager.gradient()->getVector(0), Teuchos::Copy));
   solution_.s->scale(-1.0);  // s = B u - c = h - F lambda + G^T a is minus the gradient of the Lagrangian
   return passed;
+} catch (const UnboundedCost&) {  // on all ranks
+  throw InsufficientModel("The model has no solution: gaps of contact and what is prescribed contradict each other, no displacements obey all of them. "
+                          "Look for bodies or nodes between two obstacles that are nearer to each other than they are thick.");
 }
 
 double SmalseContactSolver::estimateKkt(const MultiVector& x, const MultiVector& gradient) {

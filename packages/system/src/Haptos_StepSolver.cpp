@@ -36,15 +36,20 @@ std::optional<RunClock::Scope> StepSolver::time(Phase phase) const {
   return observer_.clock->time(phase);
 }
 
-void StepSolver::prepare() { system_->assemble(); }
+void StepSolver::prepare() {
+  system_->assemble();
+  hasMatrices_ = true;
+}
 
 void StepSolver::check(StepData step) {
   system_->setStep(std::move(step));
   loads_ = measureLoads(*system_->model().gather, system_->f(), *system_->model().comm);
 }
 
-// K is let go while it is factored, class by class; what depends on B and G comes after it.
+// K is let go while it is factored, class by class; what depends on B and G comes after it.  Where that was refused before, K is made anew.
 void StepSolver::factor() {
+  if (!hasMatrices_) prepare();
+  hasMatrices_ = false;
   {
     const auto scope = time(Phase::Factor);
     system_->factor(options_.localSolver, preconditionerKind(options_));
@@ -132,25 +137,55 @@ bool StepSolver::iterate(StepResult& result) try {
   throw InsufficientModel(kLooseModel);
 }
 
-// No load, supports that stay where they are, no overlap: then nothing moves, and multipliers of before are no start but what their round-off leaves.
-bool StepSolver::isAtRest() const {
-  if (loads_.norm != 0) return false;
-  const auto& kinds = system_->model().multipliers->kinds();
-  const auto c = system_->step().c->getData(0);
-  bool mine = true;
-  for (std::size_t row = 0; row < kinds.size() && mine; ++row)
-    mine = c[Teuchos::Ordinal(row)] == 0 || (kinds[row] == RowKind::Normal && c[Teuchos::Ordinal(row)] > 0);
-  return !anyOfAll(*system_->model().comm, !mine);
+namespace {
+
+// Multipliers of a step that is so far below the one before are no start but what their round-off leaves; at rest nothing moves.
+bool isFarBelow(const std::array<double, 3>& now, const std::array<double, 3>& before) {
+  constexpr double kFar = 1e-8;
+  for (std::size_t k = 0; k < now.size(); ++k)
+    if (now[k] > kFar * before[k]) return false;
+  return true;
 }
 
-// A step that was checked before comes again with the same vectors: then there is nothing to check.
+}  // namespace
+
+// Loads [force], prescribed displacements and overlaps [length] that move the bodies: the largest ones, the same on all ranks.
+StepSolver::Drive StepSolver::measureDrive() const {
+  const auto& kinds = system_->model().multipliers->kinds();
+  const auto c = system_->step().c->getData(0);
+  double prescribed = 0, overlap = 0;
+  for (std::size_t row = 0; row < kinds.size(); ++row) {
+    const double value = c[Teuchos::Ordinal(row)];
+    if (kinds[row] == RowKind::Normal) overlap = std::max(overlap, -value);
+    else prescribed = std::max(prescribed, std::abs(value));
+  }
+  const auto largest = largestOfAll(*system_->model().comm, std::array<double, 2>{prescribed, overlap});
+  return {loads_.norm, largest[0], largest[1]};
+}
+
+// A step that was checked before comes again with the same vectors: then there is nothing to check.  What the method knows is not kept where
+// it was thrown out of its work, or came to no numbers.
 StepResult StepSolver::solve(StepData step) {
   if (step.f != system_->step().f || step.c != system_->step().c) check(std::move(step));
   if (!system_->isFormed()) factor();
+  const auto forget = [&] { solver_.reset(), start_ = Teuchos::null; };
+  const Drive drive = measureDrive();
+  if (isFarBelow(drive, drive_)) forget();
+  drive_ = drive;
+  try {
+    StepResult result = run();
+    if (!std::isfinite(result.accuracy.errors.kkt())) forget();
+    return result;
+  } catch (...) {
+    forget();
+    throw;
+  }
+}
+
+StepResult StepSolver::run() {
   const auto scope = time(Phase::Solve);
   const long before = multiplications();
   StepResult result;
-  if (isAtRest()) solver_.reset(), start_ = Teuchos::null;
   if (solver_) solver_->renew();
   else solver_ = makeSolver();
   const bool passed = iterate(result);
@@ -179,16 +214,17 @@ void StepSolver::renewRows(RCP<const MultiplierMap> multipliers) {
   system_->renewRows(std::move(multipliers));
 }
 
-// Rows stay in number and order, so that the last multipliers are a start for other values of K.
-void StepSolver::renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers) {
+// Where rows stay in number and order the last multipliers are a start for other values of K.
+void StepSolver::renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers, Rows rows) {
   multipliedBefore_ = multiplications();
   factoredBefore_ = factorizations();
   solver_.reset();
+  if (rows == Rows::Others) start_ = Teuchos::null;
   SystemModel model = system_->model();
   model.stiffness = std::move(stiffness);
   model.multipliers = std::move(multipliers);
   system_ = std::make_unique<FetiSystem>(std::move(model));
-  system_->assemble();
+  prepare();
 }
 
 long StepSolver::factorizations() const { return factoredBefore_ + system_->systems().factorizations(); }

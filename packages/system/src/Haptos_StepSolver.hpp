@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <array>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -54,8 +55,10 @@ class StepSolver {
   void setTolerance(double tolerance) { options_.solver.tolerance = tolerance; }
   /// \brief Other pairs or axes on the same subdomains: rows, G, G G^T and surfaces are made again, sparse factors stay.
   void renewRows(RCP<const MultiplierMap> multipliers);
-  /// \brief Other values of K: all but the multipliers is made again.  \param multipliers rows with the weights of the new K
-  void renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers);
+  enum class Rows { Same, Others };
+  /// \brief Other values of K: all but the multipliers is made again, and these too where rows are others.
+  /// \param multipliers rows with the weights of the new K
+  void renewStiffness(std::shared_ptr<const SubdomainStiffness> stiffness, RCP<const MultiplierMap> multipliers, Rows rows);
 
   const FetiSystem& system() const { return *system_; }
   const LoadScales& loads() const { return loads_; }
@@ -66,7 +69,9 @@ class StepSolver {
  private:
   std::unique_ptr<ContactSolver> makeSolver() const;
   void factor();
-  bool isAtRest() const;
+  using Drive = std::array<double, 3>;
+  Drive measureDrive() const;
+  StepResult run();
   Accuracy measure(const DualSolution& solution, RCP<Vector>& u, RCP<Vector>& jumps, SmoothingEffort effort) const;
   bool iterate(StepResult& result);
   std::optional<RunClock::Scope> time(Phase phase) const;
@@ -75,6 +80,8 @@ class StepSolver {
   Observer observer_;
   std::unique_ptr<FetiSystem> system_;
   LoadScales loads_;
+  Drive drive_{};  // of the last solve
+  bool hasMatrices_ = false;  // until they are factored
   std::unique_ptr<ContactSolver> solver_;
   RCP<const Vector> start_;  // multipliers of the last step, for a new solver
   long factoredBefore_ = 0, multipliedBefore_ = 0;  // by systems that are gone

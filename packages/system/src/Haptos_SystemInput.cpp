@@ -9,16 +9,20 @@
 #include <Tpetra_Util.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <set>
 
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LocalFrame.hpp"
+#include "Haptos_ParameterValue.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RemoteRows.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SystemChecks.hpp"
 #include "Haptos_TpetraCompat.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -73,28 +77,6 @@ SystemInput::Subdomain merge(const ElementPart& part) {
   return sub;
 }
 
-std::string describe(const PairInput& pair) { return "The contact pair of node " + std::to_string(pair.secondary); }
-
-// Weights that do not add up to one would make a force of a motion that moves both sides alike.
-void checkPair(const PairInput& pair, int numInterfaces) {
-  constexpr double kRoundOff = 1e-8;
-  if (pair.interface < 0 || pair.interface >= numInterfaces)
-    throw InputError(describe(pair) + " names interface " + std::to_string(pair.interface) + "; there are " + std::to_string(numInterfaces) +
-                     ", numbered from 0.");
-  if (!std::isfinite(pair.gap)) throw InputError(describe(pair) + " has a gap that is not finite.");
-  if (!(pair.area > 0 && std::isfinite(pair.area)))
-    throw InputError(describe(pair) + " has the area " + std::to_string(pair.area) + "; it must be > 0.");
-  double sum = 0;
-  for (const auto& [node, weight] : pair.primary) sum += weight;
-  if (!pair.primary.empty() && !(std::abs(sum - 1) <= kRoundOff))
-    throw InputError(describe(pair) + " has primary weights that add up to " + std::to_string(sum) + "; it must be 1.");
-  try {
-    makeFrame(pair.normal, pair.axis);
-  } catch (const InputError& e) {
-    throw InputError(describe(pair) + ": " + e.what());
-  }
-}
-
 }  // namespace
 
 void SystemInput::checkInterfaces() const {
@@ -104,13 +86,7 @@ void SystemInput::checkInterfaces() const {
   const auto all = gatherOnAll(*comm_, writer.take());
   if (!std::equal(all.begin() + 1, all.end(), all.begin()))
     throw InputError("The interfaces differ from rank to rank; every rank must add the same ones, in the same order, with the same friction.");
-  for (const auto& [name, friction] : interfaces) {
-    for (double F : friction.coefficients)
-      if (!(F >= 0 && std::isfinite(F)))
-        throw InputError("Interface '" + name + "' has the coefficient of friction " + std::to_string(F) + "; it must be >= 0.");
-    if (!(friction.slipBound >= 0 && std::isfinite(friction.slipBound)))
-      throw InputError("Interface '" + name + "' has the slip bound " + std::to_string(friction.slipBound) + "; it must be >= 0.");
-  }
+  for (const auto& [name, friction] : interfaces) checkFriction(name, friction);
 }
 
 void SystemInput::checkKind() const {
@@ -121,9 +97,14 @@ void SystemInput::checkKind() const {
 
 // "0", "1", ...
 std::vector<std::string> SystemInput::nameBodies() const {
-  int last = -1;
-  for (const auto& sub : dealt_) last = std::max(last, sub.body);
-  std::vector<int> here(std::size_t(largestOfAll(*comm_, last)) + 1, 0);
+  int mine = -1;
+  for (const auto& sub : dealt_) mine = std::max(mine, sub.body);
+  const int last = largestOfAll(*comm_, mine), all = sumOfAll(*comm_, int(dealt_.size()));
+  // Before anything is as long as the largest number.
+  if (last >= all)
+    throw InputError("Body " + std::to_string(last) + " is given; there are " + std::to_string(all) +
+                     " subdomains, and bodies are numbered from 0 without gaps.");
+  std::vector<int> here(std::size_t(last) + 1, 0);
   for (const auto& sub : dealt_) here[std::size_t(sub.body)] = 1;
   // A body may lie on a few ranks only; all must know its name.
   const auto anywhere = largestOfAll(*comm_, here);
@@ -310,7 +291,9 @@ void SystemInput::checkPairs() const {
 }
 
 // Numbered interface by interface, rank after rank, in the order in which they were added.
-std::vector<PlacedPair> SystemInput::placePairs() {
+// Gaps of pairs that cannot meet are often given as some huge number, which would take the digits of all others.
+std::vector<PlacedPair> SystemInput::placePairs(double size) {
+  constexpr double kOutOfReach = 1e6;
   checkPairs();
   std::vector<std::int64_t> ids;
   for (const auto& pair : pairs) {
@@ -326,7 +309,8 @@ std::vector<PlacedPair> SystemInput::placePairs() {
   std::size_t at = 0;
   runOnAllRanks(*comm_, [&] {
     const auto nodeOf = [&](const PairInput& pair, std::int64_t id) {
-      if (numbers[at] < 0) throw InputError(describe(pair) + " needs node " + std::to_string(id) + ", which is in no subdomain.");
+      if (numbers[at] < 0)
+        throw InputError("The contact pair of node " + std::to_string(pair.secondary) + " needs node " + std::to_string(id) + ", which is in no subdomain.");
       return numbers[at++];
     };
     for (const auto& pair : pairs) {
@@ -336,7 +320,7 @@ std::vector<PlacedPair> SystemInput::placePairs() {
       geometry.secondary = {{geometry.secondaryNode, 1.0}};
       for (const auto& [node, weight] : pair.primary) geometry.primary.push_back({nodeOf(pair, node), weight});
       geometry.frame = makeFrame(pair.normal, pair.axis);
-      geometry.gap = pair.gap;
+      geometry.gap = std::min(pair.gap, kOutOfReach * size);
       geometry.area = pair.area;
       placed.push_back({pair.interface, next[std::size_t(pair.interface)]++, std::move(geometry)});
     }
@@ -350,13 +334,31 @@ RCP<const MultiplierMap> SystemInput::makeRows() {
   for (std::size_t i = 0; i < dealt_.size(); ++i)
     // Nodal stiffnesses weigh the copies of a node in contact rows, which therefore change with K.
     sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
-  sources.pairs = placePairs();
+  const double size = this->size();
+  sources.pairs = placePairs(size);
   sources.prescribed = collectPrescribed();
   // The check of the answer looks at nodes where the mean of their copies is made.
   prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });
   for (const auto& [name, friction] : interfaces)
     sources.interfaces.push_back({name, friction.tied, friction.law != FrictionLaw::Frictionless});
-  return Teuchos::rcp(new MultiplierMap(comm_, sources));
+  const auto rows = Teuchos::rcp(new MultiplierMap(comm_, sources));
+  if (const auto overlap = firstPinnedOverlap(*comm_, *rows, size))
+    throw InsufficientModel("The model has no solution: at node " + nameOfNode(overlap->node) + " of interface '" +
+                            interfaces[std::size_t(overlap->interface)].name + "' the prescribed displacements make the surfaces overlap by " +
+                            numberText(overlap->depth) + ".");
+  return rows;
+}
+
+// Of a box around all nodes and what is prescribed.
+double SystemInput::size() const {
+  std::array<double, 7> largest{};  // -x, x of three directions; |displacement|
+  std::fill_n(largest.begin(), 6, -std::numeric_limits<double>::infinity());
+  for (const auto& sub : dealt_)
+    for (const auto& x : sub.part.coordinates)
+      for (std::size_t d = 0; d < 3; ++d) largest[2 * d] = std::max(largest[2 * d], -x[d]), largest[2 * d + 1] = std::max(largest[2 * d + 1], x[d]);
+  for (const auto& [unknown, value] : prescribed) largest[6] = std::max(largest[6], std::abs(value));
+  largest = largestOfAll(*comm_, largest);
+  return std::max({largest[0] + largest[1], largest[2] + largest[3], largest[4] + largest[5], largest[6]});
 }
 
 // Found by the rank that has a copy with this number.

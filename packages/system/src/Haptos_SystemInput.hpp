@@ -42,6 +42,7 @@ class SystemInput {
   /// \brief Cuts elements, numbers subdomains and nodes, and checks all stiffnesses.  Collective.
   SystemModel deal(const DecompositionOptions& options);
   /// \brief Rows of B for today's pairs and prescribed values.  Collective.
+  /// \throws InsufficientModel on all ranks where these make surfaces overlap
   RCP<const MultiplierMap> makeRows();
   /// \brief Takes today's values of matrices or elements, and checks them.  Collective.
   void readStiffness();
@@ -68,7 +69,8 @@ class SystemInput {
   void numberNodes();
   void mapNodes(const std::vector<std::int64_t>& ids);
   std::vector<PrescribedDisplacement> collectPrescribed() const;
-  std::vector<PlacedPair> placePairs();
+  std::vector<PlacedPair> placePairs(double size);
+  double size() const;  // [length] of the model; Collective
 
   void dealSubdomains();
 

@@ -327,10 +327,13 @@ TEUCHOS_UNIT_TEST(ContactResults, SlipIsTheTangentialJump) {
   const NodalGather gather(comm, {}, 2);
   const std::vector<double> u{3, 4, 5, 1, 7, 8};
   if (comm->getRank() != comm->getSize() - 1) pairs.clear();
-  setSlip(gather, {u.begin() + 3 * gather.firstNode(), u.begin() + 3 * (gather.firstNode() + std::ptrdiff_t(gather.numNodes()))}, pairs);
   const double slip[2][3] = {{-2, 3 - 0.6 * 4.2, 3 - 0.8 * 4.2}, {0, 4, 5}};
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    for (int d = 0; d < 3; ++d) TEST_ASSERT(std::abs(pairs[i].slip[d] - slip[i][d]) < 1e-14);
+  for (const double sign : {1.0, -1.0}) {  // of the side that the input calls secondary
+    setSlip(gather, {u.begin() + 3 * gather.firstNode(), u.begin() + 3 * (gather.firstNode() + std::ptrdiff_t(gather.numNodes()))},
+            {char(sign < 0)}, pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      for (int d = 0; d < 3; ++d) TEST_ASSERT(std::abs(pairs[i].slip[d] - sign * slip[i][d]) < 1e-14);
+  }
 }
 
 // Of pairs with lists: forces on nodes are B^T lambda, slips are what tangential rows measure, tied pairs among them.
@@ -353,7 +356,7 @@ TEUCHOS_UNIT_TEST(ContactResults, ListsShareForcesAndSlips) {
   for (const auto& p : scene.prescribed) u[3 * std::size_t(p.node) + std::size_t(p.component)] = p.value;
   const NodalGather gather(feti.comm, nodesOf(feti.dealt.mine), std::int64_t(scene.mesh.numNodes()));
   const auto first = u.begin() + 3 * gather.firstNode();
-  setSlip(gather, {first, first + 3 * std::ptrdiff_t(gather.numNodes())}, pairs);
+  setSlip(gather, {first, first + 3 * std::ptrdiff_t(gather.numNodes())}, std::vector<char>(scene.interfaces.size(), 0), pairs);
   if (feti.comm->getRank() != 0) return;
   std::size_t expected = 0;
   for (const auto& interface : scene.interfaces) expected += interface.pairs.size();
