@@ -142,6 +142,28 @@ TEUCHOS_UNIT_TEST(MultiplierRules, a_crease_in_a_side_set_parts_it) {
   }
 }
 
+// Also where the meshes match, as a node on a crease has one pair node to node, with a normal of neither face; but for ties, which have none.
+TEUCHOS_UNIT_TEST(MultiplierRules, surfaces_with_creases_are_joined_by_mortar) {
+  Mesh mesh = makeBoxes({box("floor", {0, 0, -1}, {1, 1, 0}, {3, 2, 1}), box("wall", {-1, 0, 0}, {0, 1, 1}, {1, 2, 3}),
+                         box("block", {0, 0, 0}, {1, 1, 1}, {3, 2, 3})});
+  for (const auto& [name, a, b] : {std::array<std::string, 3>{"edge", "block_z0", "block_x0"}, {"groove", "floor_z1", "wall_x1"}}) {
+    SideSet set{std::int64_t(mesh.sideSets.size()) + 1, name, mesh.sideSets[std::size_t(findSideSet(mesh, a))].sides};
+    const auto& more = mesh.sideSets[std::size_t(findSideSet(mesh, b))].sides;
+    set.sides.insert(set.sides.end(), more.begin(), more.end());
+    mesh.sideSets.push_back(set);
+  }
+  auto both = mortar("edge", "groove"), floor = mortar("block_z0", "floor_z1");
+  both.discretization = floor.discretization = Discretization::Automatic;
+  both.isFrictionless = true;
+  const auto creased = buildContact(mesh, {both})[0];
+  TEST_ASSERT(creased.isMortar && notes(creased, "has creases"));
+  TEST_EQUALITY(creased.pairs.size(), 12u + 12u);  // nodes along the edge have a pair for either face
+  for (const auto& pair : creased.pairs) TEST_ASSERT(std::max(-pair.frame.normal[0], -pair.frame.normal[2]) > 1 - 1e-12);
+  TEST_ASSERT(!buildContact(mesh, {floor})[0].isMortar);
+  both.tied = true;
+  TEST_ASSERT(!notes(buildContact(mesh, {both})[0], "has creases"));
+}
+
 // Meshes that match: pairs of three bodies that meet along a line go round in a circle there, unless their normals hold different directions.
 TEUCHOS_UNIT_TEST(MultiplierRules, three_bodies_that_meet) {
   const Mesh mesh = makeBoxes({box("left", {0, 0, -1}, {1, 1, 0}, {2, 2, 2}), box("right", {1, 0, -1}, {2, 1, 0}, {2, 2, 2}),

@@ -175,6 +175,27 @@ TEUCHOS_UNIT_TEST(ResultFields, ListsShareForceAndPressure) {
   check("contact_slip_x", {1, 2, 2, 1, 1, 2});
 }
 
+// A node on the joint of two bodies, each of which has its share of its area: uniform pressure is uniform there, too.
+TEUCHOS_UNIT_TEST(ResultFields, PressureOfTwoContactsIsForceByArea) {
+  const auto comm = Tpetra::getDefaultComm();
+  const EvenRanges nodes{3, comm->getSize()};
+  std::vector<PairResult> pairs(2);
+  for (int i = 0; i < 2; ++i) {
+    pairs[std::size_t(i)].interface = i;
+    pairs[std::size_t(i)].secondaryNode = 2;
+    pairs[std::size_t(i)].secondary = {{2, 1.0}};
+    pairs[std::size_t(i)].primary = {{i, 1.0}};
+    pairs[std::size_t(i)].area = 0.25 + i;
+    pairs[std::size_t(i)].normalForce = 10 * pairs[std::size_t(i)].area;
+  }
+  if (comm->getRank() != 0) pairs.clear();
+  const std::vector<double> displacement(3 * std::size_t(nodes.count(comm->getRank())), 0.0);
+  const ResultFields fields = makeResultFields(*comm, nodes, {displacement, pairs, {}, 1e-7, 42});
+  for (const auto& field : fields.nodal)
+    if (field.first == "contact_pressure")
+      for (double pressure : wholeOnRoot(*comm, field.second)) TEST_FLOATING_EQUALITY(pressure, 10.0, 1e-14);
+}
+
 // A folder bears the name: it stays, and nothing lies beside it.
 TEUCHOS_UNIT_TEST(RunReport, TextThatCannotBeWrittenLeavesNothing) {
   std::string name = (std::filesystem::temp_directory_path() / "haptos_report_XXXXXX").string();  // every rank has its own
