@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace Haptos {
 
@@ -39,29 +40,44 @@ SlipLeft slipLeft(const NodeDirectory& directory, const PairDraft& draft) {
   return left;
 }
 
-// Where supports leave one direction to slip (plane strain), and it is no axis of friction, both tangential rows would be multiples of one another,
-// and forces along them could not be told apart.  With slip along e alone F^2 e / |F e| is what friction is, and |F e| its part along e: one row does,
-// whose coefficient the law finds from `along`.  Not where a slip across e is prescribed, on which friction along e depends.
-void turnToFree(const NodeDirectory& directory, PairDraft& draft) {
-  constexpr double kRankOne = 1e-14, kAcross = 1e-12;
-  ContactPair& pair = draft.placed.pair;
-  const SlipLeft left = slipLeft(directory, draft);
+// The direction v = (t1, t2) that is left, if it is one: in plane strain, or where a support drives the other.
+std::optional<std::array<double, 2>> onlyDirection(const LocalFrame& frame, const SlipLeft& left) {
+  constexpr double kRankOne = 1e-14;
   double a = 0, b = 0, c = 0;  // sum over free components of (t1, t2)^T (t1, t2)
   for (std::size_t d = 0; d < 3; ++d)
-    if (left.isFree[d]) a += pair.frame.t1[d] * pair.frame.t1[d], b += pair.frame.t1[d] * pair.frame.t2[d], c += pair.frame.t2[d] * pair.frame.t2[d];
-  if (a * c - b * b > kRankOne * (a + c) * (a + c)) return;
+    if (left.isFree[d]) a += frame.t1[d] * frame.t1[d], b += frame.t1[d] * frame.t2[d], c += frame.t2[d] * frame.t2[d];
+  if (a * c - b * b > kRankOne * (a + c) * (a + c)) return {};
   const double length = a > c ? std::hypot(a, b) : std::hypot(b, c);
-  if (!(length > 0)) return;
-  const std::array<double, 2> v = a > c ? std::array{a / length, b / length} : std::array{b / length, c / length};
-  if (std::abs(v[0]) < PairDraft::kRoundOff || std::abs(v[1]) < PairDraft::kRoundOff) return;
-  const auto& slip = left.prescribed;
-  if (std::abs(slip[0] * v[1] - slip[1] * v[0]) > kAcross * std::hypot(slip[0], slip[1])) return;
+  if (!(length > 0)) return {};
+  if (a > c) return std::array{a / length, b / length};
+  return std::array{b / length, c / length};
+}
+
+void turn(const FrameTurn& by, ContactPair& pair) {
   const LocalFrame frame = pair.frame;
   for (std::size_t d = 0; d < 3; ++d) {
-    pair.frame.t1[d] = v[0] * frame.t1[d] + v[1] * frame.t2[d];
-    pair.frame.t2[d] = v[0] * frame.t2[d] - v[1] * frame.t1[d];
+    pair.frame.t1[d] = by.c * frame.t1[d] + by.s * frame.t2[d];
+    pair.frame.t2[d] = by.c * frame.t2[d] - by.s * frame.t1[d];
   }
-  pair.along = v;
+  pair.turn = by;
+}
+
+// Where supports leave one direction e to slip and it is no axis of friction, both tangential rows would be multiples of one another, and forces along
+// them could not be told apart.  With slip along e alone F^2 e / |F e| is what friction is, and |F e| its part along e: one row does, whose coefficient
+// the law finds from the turn.  Friction along e depends on a slip across e that is prescribed: the law must see both, and where e is an axis the
+// row of the other one is empty; where coefficients are equal other axes do as well, half way between.
+void turnAxes(const NodeDirectory& directory, bool isIsotropic, PairDraft& draft) {
+  constexpr double kAcross = 1e-12;
+  ContactPair& pair = draft.placed.pair;
+  const SlipLeft left = slipLeft(directory, draft);
+  const auto v = onlyDirection(pair.frame, left);
+  if (!v) return;
+  const auto [v1, v2] = *v;
+  const auto [s1, s2] = left.prescribed;
+  const bool isAxis = std::abs(v1) < PairDraft::kRoundOff || std::abs(v2) < PairDraft::kRoundOff;
+  const bool isDriven = std::abs(s1 * v2 - s2 * v1) > kAcross * std::hypot(s1, s2);
+  if (!isDriven && !isAxis) turn({v1, v2, true}, pair);
+  if (isDriven && isAxis && isIsotropic) turn({std::sqrt(0.5), std::sqrt(0.5), false}, pair);
 }
 
 }  // namespace
@@ -69,7 +85,9 @@ void turnToFree(const NodeDirectory& directory, PairDraft& draft) {
 // c of a row is its gap minus what prescribed displacements contribute to the jump.
 void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, PairDraft& draft) {
   const PlacedPair& placed = draft.placed;
-  if (interface.frictional && !interface.tied && !placed.pair.isPinned[1] && !placed.pair.isPinned[2]) turnToFree(directory, draft);
+  const auto& F = placed.pair.coefficients;
+  if (interface.frictional && !interface.tied && !placed.pair.isPinned[1] && !placed.pair.isPinned[2])
+    turnAxes(directory, F ? (*F)[0] == (*F)[1] : interface.isIsotropic, draft);
   const LocalFrame& frame = placed.pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
   if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

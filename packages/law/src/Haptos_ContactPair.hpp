@@ -18,6 +18,15 @@ struct NodeWeight {
   double weight;
 };
 
+/// \brief How t1 and t2 of a pair are turned from the axes a1, a2 of friction: t1 = c a1 + s a2, t2 = c a2 - s a1.
+struct FrameTurn {
+  double c, s;
+  bool isOnly;  ///< supports leave t1 as the only direction to slip; else the coefficients are equal, and any axes do
+
+  std::array<double, 2> toAxes(double t1, double t2) const { return {c * t1 - s * t2, s * t1 + c * t2}; }
+  bool operator==(const FrameTurn& other) const { return c == other.c && s == other.s && isOnly == other.isOnly; }
+};
+
 /// \brief One multiplier node on the secondary side and what it may touch.
 ///
 /// [u] = sum of weight x u over `secondary` - the same over `primary` obeys [u] . normal <= gap.  Node to node is one node of
@@ -31,10 +40,9 @@ struct ContactPair {
   std::array<char, 3> isPinned{};  ///< rows N, T1, T2 (x, y, z of a tied pair) that are left out whatever they reach
   std::optional<std::array<double, 2>> coefficients = std::nullopt;  ///< F1, F2 [-] of its own; else those of its interface
   double size = 0;             ///< shortest edge around the secondary node; 0 where no mesh is known
-  /// Of t1, by its components along the axes of friction, where supports leave only that direction to slip; none: t1 and t2 are these axes.
-  std::optional<std::array<double, 2>> along = std::nullopt;
+  std::optional<FrameTurn> turn = std::nullopt;  ///< none: t1 and t2 are the axes of friction
 
-  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients, size, along); }  ///< see ByteWriter
+  auto parts() { return std::tie(secondaryNode, secondary, primary, frame, gap, area, isPinned, coefficients, size, turn); }  ///< see ByteWriter
 };
 
 /// \brief The deepest overlap of two surfaces before any load; depth 0: none.

@@ -19,8 +19,8 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   result.area = geometry.area;
   result.size = geometry.size;
   result.axis = geometry.frame.t1;
-  if (const auto& v = geometry.along)  // the axis of friction from which t1 was turned
-    for (int d = 0; d < 3; ++d) result.axis[d] = (*v)[0] * geometry.frame.t1[d] - (*v)[1] * geometry.frame.t2[d];
+  if (const auto& turn = geometry.turn)  // the axis of friction from which t1 was turned
+    for (int d = 0; d < 3; ++d) result.axis[d] = turn->c * geometry.frame.t1[d] - turn->s * geometry.frame.t2[d];
   result.normal = geometry.frame.normal;
   result.secondary = geometry.secondary;
   result.primary = geometry.primary;

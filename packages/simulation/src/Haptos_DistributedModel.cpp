@@ -91,7 +91,8 @@ RowSources rowSources(const DistributedModel& model, const std::vector<ContactIn
   sources.pairs = placedPairs(interfaces);
   for (std::size_t k = 0; k < model.data.friction.size(); ++k) {
     const FrictionSpec& spec = model.data.friction[k];
-    sources.interfaces.push_back({model.data.interfaceNames[k], spec.tied, spec.law != FrictionLaw::Frictionless});
+    sources.interfaces.push_back({model.data.interfaceNames[k], spec.tied, spec.law != FrictionLaw::Frictionless,
+                                  spec.coefficients[0] == spec.coefficients[1]});
   }
   return sources;
 }

@@ -274,8 +274,7 @@ void notePrescribedSlips(const Communicator& comm, const MultiplierMap& multipli
     if (counts[k] > 0)
       data.notes.push_back("'" + data.interfaceNames[k] + "': supports prescribe the slip of " + std::to_string(counts[k]) +
                            " pairs along one axis of friction; friction along it is part of the reactions there, and along the other axis it is as if "
-                           "nothing slipped along the first: prescribe nodes that are not in contact, or turn the Principal Direction (by 45 degrees where "
-                           "the coefficients are equal)");
+                           "nothing slipped along the first: prescribe nodes that are not in contact");
 }
 
 void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data) {

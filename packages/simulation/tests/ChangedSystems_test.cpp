@@ -20,6 +20,18 @@ void scale(Filled& filled, double factor) {
   filled.system.updateStiffness();
 }
 
+// The upper body, as the only one.
+void addUpper(Filled& filled) {
+  const auto comm = Tpetra::getDefaultComm();
+  for (std::size_t i = 0; i < filled.pieces.size(); ++i)
+    if (filled.pieces[i].body == 1 && int(i) % comm->getSize() == comm->getRank()) {
+      filled.matrices.push_back(crsOf(stiffnessOf(filled.pieces[i])));
+      Piece piece = filled.pieces[i];
+      piece.body = 0;
+      filled.addPiece(piece, filled.matrices.back());
+    }
+}
+
 // A block whose bottom stands on an obstacle, y held everywhere: plane strain.
 struct Sheared {
   Filled filled{blocks()};
@@ -27,13 +39,7 @@ struct Sheared {
   Sheared(const std::array<double, 2>& coefficients, const Point& axis) {
     Filled& f = filled;
     const auto comm = Tpetra::getDefaultComm();
-    for (std::size_t i = 0; i < f.pieces.size(); ++i)
-      if (f.pieces[i].body == 1 && int(i) % comm->getSize() == comm->getRank()) {
-        f.matrices.push_back(crsOf(stiffnessOf(f.pieces[i])));
-        Piece piece = f.pieces[i];
-        piece.body = 0;
-        f.addPiece(piece, f.matrices.back());
-      }
+    addUpper(f);
     f.system.addInterface("floor", {FrictionLaw::Coulomb, coefficients, 0, false});
     for (std::size_t node = f.mesh.numNodes() / 2; node < f.mesh.numNodes(); ++node) {
       if (int(node) % comm->getSize() != comm->getRank()) continue;
@@ -86,7 +92,6 @@ TEUCHOS_UNIT_TEST(ChangedSystem, ForcesAreOfRowsThatAreThere) {
 TEUCHOS_UNIT_TEST(ChangedSystem, GoesOnAfterAKernelThatNothingHeld) {
   const auto comm = Tpetra::getDefaultComm();
   Filled filled;
-  Eigen::SparseMatrix<double> whole(0, 0);
   // Two halves of one body that have nothing in common, as one matrix: twelve motions.
   Piece piece = filled.pieces[0], other = filled.pieces[3];
   const Eigen::SparseMatrix<double> A = stiffnessOf(piece), B = stiffnessOf(other);
@@ -225,17 +230,53 @@ TEUCHOS_UNIT_TEST(ChangedSystem, FrictionInPlaneStrainHasOneDirection) {
   }
 }
 
+// Supports drive the block across the plane and its top along it: friction has the direction of the whole slip.
+TEUCHOS_UNIT_TEST(ChangedSystem, FrictionSeesASlipThatIsDriven) {
+  const auto comm = Tpetra::getDefaultComm();
+  const auto drive = [&](Sheared& sheared, double across) {
+    const Mesh& mesh = sheared.filled.mesh;
+    for (std::size_t node = mesh.numNodes() / 2; node < mesh.numNodes(); ++node) {
+      if (int(node) % comm->getSize() != comm->getRank()) continue;
+      sheared.filled.system.prescribe(idOf(std::int64_t(node)), 1, across);
+      if (mesh.coordinates[node][2] > 1 - 1e-9) sheared.filled.system.prescribe(idOf(std::int64_t(node)), 0, 0.01);
+    }
+  };
+  const auto forcesOf = [&](Sheared& sheared, const Point& t1, const Point& t2) {
+    double mine[3] = {0, 0, 0}, all[3];
+    for (const auto& force : sheared.filled.system.contactForces()) {
+      mine[0] += force[0];
+      for (std::size_t d = 0; d < 2; ++d) mine[1 + d] += force[1] * t1[d] + force[2] * t2[d];
+    }
+    Teuchos::reduceAll(*comm, Teuchos::REDUCE_SUM, 3, mine, all);
+    return std::array<double, 3>{all[0], all[1], all[2]};
+  };
+  const double h = std::sqrt(0.5);
+  Sheared changed({0.3, 0.3}, {1, 0, 0}), turned({0.3, 0.3}, {h, h, 0});
+  drive(changed, 0);
+  const Eigen::VectorXd before = changed.solve();
+  drive(changed, 0.05);  // other values of the same supports, and other axes
+  drive(turned, 0.05);
+  const Eigen::VectorXd driven = changed.solve();
+  TEST_ASSERT(changed.filled.outcome.solved && changed.filled.outcome.multiplications <= 40);
+  TEST_ASSERT(difference(turned.solve(), driven) < 1e-7);
+  const auto forces = forcesOf(changed, {1, 0, 0}, {0, -1, 0}), expected = forcesOf(turned, {h, h, 0}, {h, -h, 0});
+  for (std::size_t k = 0; k < 3; ++k) TEST_ASSERT(std::abs(forces[k] - expected[k]) < 1e-7 * expected[0]);
+  TEST_ASSERT(std::hypot(forces[1], forces[2]) > 0.299 * forces[0]);  // all pairs slide, in nearly one direction:
+  TEST_ASSERT(std::abs(forces[1]) < 0.25 * std::abs(forces[2]));      // they follow the top by less than .01
+  drive(changed, 0.0);
+  TEST_ASSERT(difference(before, changed.solve()) < 1e-7);
+  // Once the coefficients differ the axes are those that were given.
+  changed.filled.system.setFriction(0, {FrictionLaw::Coulomb, {0.3, 0.2}, 0, false});
+  Sheared orthotropic({0.3, 0.2}, {1, 0, 0});
+  drive(orthotropic, 0.0);
+  TEST_ASSERT(difference(orthotropic.solve(), changed.solve()) < 1e-7);
+}
+
 // A block between two obstacles that are nearer to each other than it is thick: no load, no support.
 TEUCHOS_UNIT_TEST(ChangedSystem, InterferenceAloneIsMeasuredByItsForces) {
   const auto comm = Tpetra::getDefaultComm();
   Filled filled;
-  for (std::size_t i = 0; i < filled.pieces.size(); ++i)
-    if (filled.pieces[i].body == 1 && int(i) % comm->getSize() == comm->getRank()) {
-      filled.matrices.push_back(crsOf(stiffnessOf(filled.pieces[i])));
-      Piece piece = filled.pieces[i];
-      piece.body = 0;
-      filled.addPiece(piece, filled.matrices.back());
-    }
+  addUpper(filled);
   filled.system.addInterface("jaws", {FrictionLaw::Coulomb, {0.3, 0.3}, 0, false});
   filled.system.setTolerance(1e-6);
   for (std::size_t node = filled.mesh.numNodes() / 2; node < filled.mesh.numNodes(); ++node) {

@@ -271,7 +271,7 @@ TEUCHOS_UNIT_TEST(Simulation, ModelIsTheSameOnOneRank) {
 
 // Friction along an axis whose slip a support prescribes does not reach the other axis: that is told, with the number of pairs.
 TEUCHOS_UNIT_TEST(Simulation, PrescribedSlipIsToldOf) {
-  const auto notesWith = [](double slip, const std::vector<double>& direction) {
+  const auto notesWith = [](double slip, const std::vector<double>& direction, const std::vector<double>& coefficients = {0.3, 0.2}) {
     ParameterList list = barParameters();
     auto& clamp = list.sublist("Boundary Conditions").sublist("clamp");
     clamp.set<std::string>("Components", "xz");
@@ -286,7 +286,7 @@ TEUCHOS_UNIT_TEST(Simulation, PrescribedSlipIsToldOf) {
     floor.sublist("Rigid Plane").set("Point", numbers({0, 0, 1}));
     floor.sublist("Rigid Plane").set("Normal", numbers({0, 0, -1}));
     floor.sublist("Friction").set<std::string>("Law", "Coulomb");
-    floor.sublist("Friction").set("Coefficients", numbers({0.3, 0.2}));
+    floor.sublist("Friction").set("Coefficients", numbers(coefficients));
     floor.sublist("Friction").set("Principal Direction", numbers(direction));
     list.sublist("Boundary Conditions").remove("pull");
     const SourceMesh source = bar();
@@ -300,4 +300,5 @@ TEUCHOS_UNIT_TEST(Simulation, PrescribedSlipIsToldOf) {
   TEST_ASSERT(isTold(notesWith(0.01, {1, 0, 0}), "'floor': supports prescribe the slip of 36 pairs"));
   TEST_ASSERT(!isTold(notesWith(0.01, {1, 1, 0}), "prescribe the slip"));
   TEST_ASSERT(!isTold(notesWith(0.0, {1, 0, 0}), "prescribe the slip"));
+  TEST_ASSERT(!isTold(notesWith(0.01, {1, 0, 0}, {0.3, 0.3}), "prescribe the slip"));  // other axes do as well
 }

@@ -52,6 +52,14 @@ bool needsRows(const FrictionSpec& a, const FrictionSpec& b) {
   return a.tied != b.tied || (a.law == FrictionLaw::Frictionless) != (b.law == FrictionLaw::Frictionless);
 }
 
+// Which axes rows have may depend on values that are prescribed, and on whether coefficients are equal.  Collective.
+bool areTurnedAlike(const Communicator& comm, const MultiplierMap& a, const MultiplierMap& b) {
+  const auto isAlike = [](const LocalPair& p, const LocalPair& q) { return p.geometry.turn == q.geometry.turn; };
+  return !anyOfAll(comm, !std::equal(a.pairs().begin(), a.pairs().end(), b.pairs().begin(), b.pairs().end(), isAlike));
+}
+
+bool isIsotropic(const FrictionSpec& friction) { return friction.coefficients[0] == friction.coefficients[1]; }
+
 Coordinates coordinatesOf(ArrayView<const double> values) {
   Coordinates result(std::size_t(values.size()) / 3);
   for (std::size_t i = 0; i < result.size(); ++i)
@@ -133,18 +141,18 @@ struct ContactSystem::Impl {
   // Row by row the table of the class: the dearest change that there was decides.
   void update(const Changes& what) {
     if (what.stiffness) input->readStiffness();
-    const bool other = what.stiffness || what.rows;
     if (what.laws) {
       input->checkInterfaces();
       solver->setFriction(input->names(), input->friction());
     }
-    if (other || what.values) {
+    if (what.stiffness || what.rows || what.values) {
       const auto rowsOfToday = input->makeRows();
-      if (what.rows) forgetForces();
-      const auto rowsAre = what.rows ? StepSolver::Rows::Others : StepSolver::Rows::Same;
+      const bool others = what.rows || !areTurnedAlike(*comm, *rowsOfToday, *solver->system().model().multipliers);
+      if (others) forgetForces();
+      const auto rowsAre = others ? StepSolver::Rows::Others : StepSolver::Rows::Same;
       if (what.stiffness) renew([&] { solver->renewStiffness(input->stiffness(), rowsOfToday, rowsAre); });
-      else if (what.rows) renew([&] { solver->renewRows(rowsOfToday); });
-      rows += other;
+      else if (others) renew([&] { solver->renewRows(rowsOfToday); });
+      rows += what.stiffness || others;
       takeRows(rowsOfToday);
     }
   }
@@ -297,6 +305,7 @@ void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
   // Marked even where rows change, too: laws are read anew with them.
   (needsRows(own, friction) ? impl_->changes.rows : impl_->changes.laws) = true;
   impl_->changes.laws = true;
+  impl_->changes.values = impl_->changes.values || isIsotropic(own) != isIsotropic(friction);
   own = friction;
 }
 
@@ -364,7 +373,10 @@ std::vector<std::array<double, 3>> ContactSystem::contactForces() const {
   for (std::size_t i = 0; i < laws.size(); ++i) {
     const LocalPair& pair = multipliers.pairs()[i];
     std::array<double, 3> force = ContactLaw::gather(laws[i], lambda.getRawPtr());
-    if (const auto& v = pair.geometry.along) force = {force[0], (*v)[0] * force[1], (*v)[1] * force[1]};  // the caller's axes
+    if (const auto& turn = pair.geometry.turn) {
+      const auto inAxes = turn->toAxes(force[1], force[2]);
+      force = {force[0], inAxes[0], inAxes[1]};  // those of the caller
+    }
     mine.push_back({pair.interface, pair.pair, force});
   }
   for (const TiedPair& pair : multipliers.tiedPairs()) {  // rows along x, y, z

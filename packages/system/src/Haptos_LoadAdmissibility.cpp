@@ -32,8 +32,6 @@ struct FreeGroup {
   std::vector<PairLaw> pairs;
 };
 
-std::array<int, 3> rowsOf(const PairLaw& pair) { return {pair.normal, pair.tangential[0], pair.tangential[1]}; }
-
 // Work of the contact forces of every pair on the free motions: 3 rows a pair.  Those of a cone belong to (lambda_N, F^-1 lambda_T), in
 // which it is circular: on flat ones (coefficients 3000 times apart) Newton's method got nowhere, here it takes a few steps.
 SparseRows pairRows(const FreeGroup& group, const SparseRows& GZ, const Eigen::MatrixXd& N) {
@@ -59,56 +57,77 @@ SparseRows pairRows(const FreeGroup& group, const SparseRows& GZ, const Eigen::M
 }
 
 // Two motions that a pair of any rank feels are in one group, and two of one free motion: bolts that touch nothing but plates which are held are each
-// a problem of their own, of six unknowns.  The same on all ranks but for the pairs.
-std::vector<FreeGroup> groupsOf(const Communicator& comm, const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& basis) {
-  struct Edge {
-    int a, b;
-  };
-  DisjointSets sets{std::size_t(basis.rows())};
-  std::vector<char> isFree(std::size_t(basis.rows()), 0);
-  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
-    int first = -1;
-    for (Eigen::Index m = 0; m < basis.rows(); ++m) {
-      if (basis(m, j) == 0) continue;
-      isFree[std::size_t(m)] = 1;
-      if (first < 0) first = int(m);
-      sets.join(first, int(m));
-    }
-  }
-  const auto firstFreeOf = [&](const PairLaw& pair, const auto& visit) {
-    int first = -1;
-    for (const int row : rowsOf(pair)) {
-      if (row < 0) continue;
-      for (SparseRows::InnerIterator it(GZ, row); it; ++it) {
-        if (!isFree[std::size_t(it.col())]) continue;
-        if (first < 0) first = int(it.col());
-        visit(first, int(it.col()));
-      }
-    }
-    return first;
-  };
-  std::set<std::pair<int, int>> mine;
-  for (const PairLaw& pair : law.pairs()) firstFreeOf(pair, [&](int a, int b) { mine.emplace(a, b); });
-  std::vector<Edge> edges;
-  for (const auto& [x, y] : mine) edges.push_back({x, y});
-  for (const Edge& edge : gatheredOnAll(comm, edges)) sets.join(edge.a, edge.b);
+// a problem of their own, of six unknowns.
+class GroupFinder {
+ public:
+  GroupFinder(const ContactLaw& law, const SparseRows& GZ, const Eigen::MatrixXd& basis)
+      : law_(law), GZ_(GZ), basis_(basis), sets_(std::size_t(basis.rows())), isFree_(std::size_t(basis.rows()), 0) {}
 
-  std::map<int, FreeGroup> groups;
-  for (Eigen::Index m = 0; m < basis.rows(); ++m)
-    if (isFree[std::size_t(m)]) groups[sets.lowest(int(m))].motions.push_back(int(m));
-  std::map<int, std::vector<Eigen::Index>> columns;
-  for (Eigen::Index j = 0; j < basis.cols(); ++j) {
-    Eigen::Index m = 0;
-    while (basis(m, j) == 0) ++m;
-    columns[sets.lowest(int(m))].push_back(j);
+  /// The same on all ranks but for the pairs.
+  std::vector<FreeGroup> find(const Communicator& comm) {
+    joinMotions();
+    joinPairs(comm);
+    std::map<int, FreeGroup> groups;  // by lowest motions
+    for (std::size_t m = 0; m < isFree_.size(); ++m)
+      if (isFree_[m]) groups[sets_.lowest(int(m))].motions.push_back(int(m));
+    std::map<int, std::vector<Eigen::Index>> columns;
+    for (Eigen::Index j = 0; j < basis_.cols(); ++j) columns[sets_.lowest(firstOf(j))].push_back(j);
+    for (auto& [lowest, group] : groups) group.N = orthonormalBasis(basis_(group.motions, columns[lowest]));
+    for (const PairLaw& pair : law_.pairs())
+      if (const auto felt = motionsOf(pair); !felt.empty()) groups[sets_.lowest(felt.front())].pairs.push_back(pair);
+    std::vector<FreeGroup> result;
+    for (auto& [lowest, group] : groups) result.push_back(std::move(group));
+    return result;
   }
-  for (auto& [lowest, group] : groups) group.N = orthonormalBasis(basis(group.motions, columns[lowest]));
-  for (const PairLaw& pair : law.pairs())
-    if (const int m = firstFreeOf(pair, [](int, int) {}); m >= 0) groups[sets.lowest(m)].pairs.push_back(pair);
-  std::vector<FreeGroup> result;
-  for (auto& [lowest, group] : groups) result.push_back(std::move(group));
-  return result;
-}
+
+ private:
+  int firstOf(Eigen::Index column) const {
+    int m = 0;
+    while (basis_(m, column) == 0) ++m;
+    return m;
+  }
+
+  void joinMotions() {
+    for (Eigen::Index j = 0; j < basis_.cols(); ++j)
+      for (int first = firstOf(j), m = first; m < int(basis_.rows()); ++m) {
+        if (basis_(m, j) == 0) continue;
+        isFree_[std::size_t(m)] = 1;
+        sets_.join(first, m);
+      }
+  }
+
+  // There are many pairs, and few bodies that meet: what a rank knows is sent once.
+  void joinPairs(const Communicator& comm) {
+    struct Edge {
+      int a, b;
+    };
+    std::set<std::pair<int, int>> mine;
+    for (const PairLaw& pair : law_.pairs()) {
+      const auto felt = motionsOf(pair);
+      for (const int m : felt) mine.emplace(felt.front(), m);
+    }
+    std::vector<Edge> edges;
+    for (const auto& [a, b] : mine) edges.push_back({a, b});
+    for (const Edge& edge : gatheredOnAll(comm, edges)) sets_.join(edge.a, edge.b);
+  }
+
+  // Free ones.
+  std::vector<int> motionsOf(const PairLaw& pair) const {
+    std::vector<int> felt;
+    for (const int row : {pair.normal, pair.tangential[0], pair.tangential[1]}) {
+      if (row < 0) continue;
+      for (SparseRows::InnerIterator it(GZ_, row); it; ++it)
+        if (isFree_[std::size_t(it.col())]) felt.push_back(int(it.col()));
+    }
+    return felt;
+  }
+
+  const ContactLaw& law_;
+  const SparseRows& GZ_;
+  const Eigen::MatrixXd& basis_;
+  DisjointSets sets_;
+  std::vector<char> isFree_;
+};
 
 ConeProjection projectPair(const PairLaw& pair, const std::array<double, 3>& x) {
   if (isCone(pair)) return projectOntoFrictionCone(x, {1, 1});
@@ -226,7 +245,7 @@ void requireAdmissibleLoads(const ContactLaw& law, const UnheldMotions& floating
   const Eigen::VectorXd work = bodies.Z().transpose() * e;
   const SparseRows GZ = G.rows() * bodies.Z();
   const Communicator& comm = *G.getRangeMap()->getComm();
-  for (const FreeGroup& group : groupsOf(comm, law, GZ, floating.basis)) {
+  for (const FreeGroup& group : GroupFinder(law, GZ, floating.basis).find(comm)) {
     const Eigen::VectorXd b = group.N.transpose() * work(group.motions);
     if (b.norm() <= kUnloaded * loadScale) continue;
     const Eigen::VectorXd driven = motionThatNothingStops(comm, group, GZ, b);

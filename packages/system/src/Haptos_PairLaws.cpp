@@ -14,8 +14,8 @@ namespace {
 // Of the axes of friction, or of the one direction that a pair may slip in.
 std::array<double, 2> coefficientsOf(const ContactPair& pair, const FrictionSpec& spec) {
   const std::array<double, 2> F = pair.coefficients.value_or(spec.coefficients);
-  if (!pair.along) return F;
-  return {std::hypot(F[0] * (*pair.along)[0], F[1] * (*pair.along)[1]), 0.0};
+  if (!pair.turn || !pair.turn->isOnly) return F;
+  return {std::hypot(F[0] * pair.turn->c, F[1] * pair.turn->s), 0.0};
 }
 
 }  // namespace

@@ -340,7 +340,8 @@ RCP<const MultiplierMap> SystemInput::makeRows() {
   // The check of the answer looks at nodes where the mean of their copies is made.
   prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });
   for (const auto& [name, friction] : interfaces)
-    sources.interfaces.push_back({name, friction.tied, friction.law != FrictionLaw::Frictionless});
+    sources.interfaces.push_back(
+        {name, friction.tied, friction.law != FrictionLaw::Frictionless, friction.coefficients[0] == friction.coefficients[1]});
   const auto rows = Teuchos::rcp(new MultiplierMap(comm_, sources));
   if (const auto overlap = firstPinnedOverlap(*comm_, *rows, size))
     throw InsufficientModel("The model has no solution: at node " + nameOfNode(overlap->node) + " of interface '" +
