@@ -218,11 +218,10 @@ std::optional<RoundSurface> roundSurfaceOf(const ContactSpec& spec, const Contac
 }
 
 // A node on a crease has one pair node to node, along a mean of normals that is none of its faces'; patches of mortar have one each.
-std::string creaseIn(const Mesh& mesh, const ContactSpec& spec) {
+std::string creaseIn(const ContactSpec& spec, const ContactSurface& secondary, const ContactSurface& primary) {
   if (spec.tied || spec.discretization != Discretization::Automatic) return "";
-  for (const auto& set : {spec.secondarySideSet, spec.primarySideSet})
-    if (smoothPatches(mesh, set).size() > 1) return "'" + set + "' has creases";
-  return "";
+  if (isCreased(secondary)) return "'" + spec.secondarySideSet + "' has creases";
+  return isCreased(primary) ? "'" + spec.primarySideSet + "' has creases" : "";
 }
 
 // Node to node where the meshes match or where it is asked for.
@@ -232,7 +231,7 @@ std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& sp
   ContactSurface secondary = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
   ContactSurface primary = surfaceOf(mesh, spec, spec.primarySideSet, "Primary Side Set");
   checkSharedNodes(mesh, spec, secondary, primary);
-  const std::string mustBeMortar = toldToBeMortar.empty() ? creaseIn(mesh, spec) : toldToBeMortar;
+  const std::string mustBeMortar = toldToBeMortar.empty() ? creaseIn(spec, secondary, primary) : toldToBeMortar;
   std::string reason = mustBeMortar.empty() ? "Discretization is Mortar" : mustBeMortar;
   if (hasMiddles(secondary) || hasMiddles(primary)) {  // all nodes take the rows of mortar there, the same ones where the meshes match
     if (spec.discretization == Discretization::NodeToNode) matchSurfaces({mesh, spec.name, secondary, primary}, spec.matchingTolerance);
@@ -261,12 +260,12 @@ std::vector<MortarDraft> pairWithSurface(const Mesh& mesh, const ContactSpec& sp
 
 // Of faces that look towards the plane, the others are noted: those of a body's sides and back may be in its side set, and never touch.
 ContactSurface surfaceOnPlane(const Mesh& mesh, const ContactSpec& spec, ContactInterface& interface) {
-  const auto towards = Vec3::scale(-1.0, spec.rigidPlane->normal);
-  ContactSurface facing = facesTowards(mesh, spec.secondarySideSet, towards);
+  const ContactSurface whole = surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");
+  ContactSurface facing = facesTowards(mesh, spec.secondarySideSet, whole, Vec3::scale(-1.0, spec.rigidPlane->normal));
   HAPTOS_REFUSE_IF(facing.nodes.empty(), "Contact '" << spec.name << "': no face of side set '" << facing.name
                                                      << "' looks towards the Rigid Plane; its Normal " << show(spec.rigidPlane->normal)
                                                      << " must point to the body. Is it the wrong side set, or the wrong sign?");
-  const std::size_t all = mesh.sideSets[std::size_t(findSideSet(mesh, spec.secondarySideSet))].sides.size();
+  const std::size_t all = whole.faces.size();
   if (all > facing.faces.size())
     interface.notes.push_back("'" + spec.name + "': " + std::to_string(all - facing.faces.size()) + " of " + std::to_string(all) + " faces of '" + facing.name +
                               "' do not look towards the Rigid Plane, and take no part in the contact");
@@ -303,7 +302,6 @@ std::vector<MortarDraft> startInterface(const Mesh& mesh, const ContactSpec& spe
   interface.name = spec.name;
   interface.tied = spec.tied;
   if (!spec.rigidPlane) return pairWithSurface(mesh, spec, around, mustBeMortar, interface);
-  surfaceOf(mesh, spec, spec.secondarySideSet, "Secondary Side Set");  // refuses what no contact can be made with
   pairWithPlane(spec, surfaceOnPlane(mesh, spec, interface), interface);
   finishGaps(mesh, spec, interface);
   return {};

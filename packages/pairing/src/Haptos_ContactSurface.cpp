@@ -295,19 +295,15 @@ ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet) 
   return surfaceOfSides(mesh, nameOf(set), sortedSides(mesh, set, nameOf(set)));
 }
 
-ContactSurface facesTowards(const Mesh& mesh, const std::string& sideSet, const std::array<double, 3>& direction) {
+ContactSurface facesTowards(const Mesh& mesh, const std::string& sideSet, const ContactSurface& whole, const std::array<double, 3>& direction) {
   constexpr double kSideways = 1e-6;
-  const SideSet& set = sideSetOf(mesh, sideSet);
-  const auto sides = sortedSides(mesh, set, nameOf(set));
-  ContactSurface whole;
-  whole.name = nameOf(set);
-  setTopology(mesh, collectFaces(mesh, whole.name, sides), whole);
-  setFacetNormals(mesh, sides, whole);
+  const auto sides = sortedSides(mesh, sideSetOf(mesh, sideSet), whole.name);
   const auto normals = faceNormals(whole);
   const auto towards = Vec3::normalized(direction);
   std::vector<ElementSide> kept;
   for (std::size_t f = 0; f < sides.size(); ++f)
     if (Vec3::dot(normals[f], towards) > kSideways) kept.push_back(sides[f]);
+  if (kept.size() == sides.size()) return whole;
   if (!kept.empty()) return surfaceOfSides(mesh, whole.name, kept);
   ContactSurface none;
   none.name = whole.name;
@@ -322,6 +318,12 @@ std::vector<double> areasOnFacets(const ContactSurface& surface, const std::vect
     for (int i = 0; i < surface.facetSize(int(f)); ++i) areas[std::size_t(surface.facets[f][std::size_t(i)])] += ofCorners[std::size_t(i)];
   }
   return areas;
+}
+
+bool isCreased(const ContactSurface& surface) {
+  int count = 0;
+  patchesOfFaces(surface, count);
+  return count > 1;
 }
 
 // A crease that ends within the surface cuts nothing; without one the surface stays whole, in however many parts it lies.

@@ -47,12 +47,16 @@ struct ContactSurface {
 ContactSurface makeContactSurface(const Mesh& mesh, const std::string& sideSet);
 
 /// \brief Those of its faces that look along a direction, as a surface of their own; without nodes if none does.
-ContactSurface facesTowards(const Mesh& mesh, const std::string& sideSet, const std::array<double, 3>& direction);
+/// \param whole the surface of the side set
+ContactSurface facesTowards(const Mesh& mesh, const std::string& sideSet, const ContactSurface& whole, const std::array<double, 3>& direction);
 
 /// \brief [numNodes] tributary areas on some of the facets.  \param counts [numFacets]
 std::vector<double> areasOnFacets(const ContactSurface& surface, const std::vector<char>& counts);
 
 constexpr double creaseCosine = 0.766;  ///< 40 degrees between faces: more is a crease
+
+/// \brief Whether creases cut it into several patches.
+bool isCreased(const ContactSurface& surface);
 
 /// \brief The same surface cut along its creases, so that each patch has nodes and normals of its own there; one patch if there are none.
 std::vector<ContactSurface> smoothPatches(const Mesh& mesh, const std::string& sideSet);

@@ -8,6 +8,7 @@
 
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalGather.hpp"
+#include "Haptos_PairLaws.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
@@ -89,11 +90,8 @@ RowSources rowSources(const DistributedModel& model, const std::vector<ContactIn
   });
   sources.prescribed = model.prescribed;
   sources.pairs = placedPairs(interfaces);
-  for (std::size_t k = 0; k < model.data.friction.size(); ++k) {
-    const FrictionSpec& spec = model.data.friction[k];
-    sources.interfaces.push_back({model.data.interfaceNames[k], spec.tied, spec.law != FrictionLaw::Frictionless,
-                                  spec.coefficients[0] == spec.coefficients[1]});
-  }
+  for (std::size_t k = 0; k < model.data.friction.size(); ++k)
+    sources.interfaces.push_back(interfaceRows(model.data.interfaceNames[k], model.data.friction[k]));
   return sources;
 }
 

@@ -11,6 +11,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_OptionTable.hpp"
+#include "Haptos_PairLaws.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -47,18 +48,11 @@ SystemOptions readSystemOptions(const ParameterList& list) {
   return options;
 }
 
-// Tangential and tied rows come and go with the kind of law; coefficients alone leave rows as they are.
-bool needsRows(const FrictionSpec& a, const FrictionSpec& b) {
-  return a.tied != b.tied || (a.law == FrictionLaw::Frictionless) != (b.law == FrictionLaw::Frictionless);
-}
-
 // Which axes rows have may depend on values that are prescribed, and on whether coefficients are equal.  Collective.
 bool areTurnedAlike(const Communicator& comm, const MultiplierMap& a, const MultiplierMap& b) {
   const auto isAlike = [](const LocalPair& p, const LocalPair& q) { return p.geometry.turn == q.geometry.turn; };
   return !anyOfAll(comm, !std::equal(a.pairs().begin(), a.pairs().end(), b.pairs().begin(), b.pairs().end(), isAlike));
 }
-
-bool isIsotropic(const FrictionSpec& friction) { return friction.coefficients[0] == friction.coefficients[1]; }
 
 Coordinates coordinatesOf(ArrayView<const double> values) {
   Coordinates result(std::size_t(values.size()) / 3);
@@ -302,10 +296,11 @@ void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
     return impl_->refuse("Friction is given for interface " + std::to_string(interface) + "; there are " +
                          std::to_string(impl_->input->interfaces.size()) + ", numbered from 0.");
   FrictionSpec& own = impl_->input->interfaces[std::size_t(interface)].friction;
-  // Marked even where rows change, too: laws are read anew with them.
-  (needsRows(own, friction) ? impl_->changes.rows : impl_->changes.laws) = true;
-  impl_->changes.laws = true;
-  impl_->changes.values = impl_->changes.values || isIsotropic(own) != isIsotropic(friction);
+  const InterfaceRows before = interfaceRows("", own), after = interfaceRows("", friction);
+  Impl::Changes& changes = impl_->changes;
+  changes.rows = changes.rows || before.tied != after.tied || before.frictional != after.frictional;
+  changes.values = changes.values || before.isIsotropic != after.isIsotropic;
+  changes.laws = true;  // read anew with rows, too
   own = friction;
 }
 

@@ -20,6 +20,10 @@ std::array<double, 2> coefficientsOf(const ContactPair& pair, const FrictionSpec
 
 }  // namespace
 
+InterfaceRows interfaceRows(const std::string& name, const FrictionSpec& friction) {
+  return {name, friction.tied, friction.law != FrictionLaw::Frictionless, friction.coefficients[0] == friction.coefficients[1]};
+}
+
 // A tangential row that is missing or pinned has coefficient 0: the law then pins its force.
 ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction) {
   std::vector<PairLaw> laws;

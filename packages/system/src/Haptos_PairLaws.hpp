@@ -5,6 +5,9 @@
 
 namespace Haptos {
 
+/// \brief What rows pairs have by their interface's law.
+InterfaceRows interfaceRows(const std::string& name, const FrictionSpec& friction);
+
 /// \brief The laws of the pairs whose rows this rank owns, in the order of MultiplierMap::pairs().
 /// \param friction [interfaces]
 ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<FrictionSpec>& friction);

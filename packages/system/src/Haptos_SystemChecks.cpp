@@ -16,13 +16,13 @@
 namespace Haptos {
 namespace {
 
-std::string describe(const PairInput& pair) { return "The contact pair of node " + std::to_string(pair.secondary); }
-
 const std::string kRange = "; it must be >= 0 and at most " + numberText(kLargestNumber) + ".";
 
 bool isInRange(double value) { return value >= 0 && isUsable(value); }
 
 }  // namespace
+
+std::string describe(const PairInput& pair) { return "The contact pair of node " + std::to_string(pair.secondary); }
 
 bool isUsable(double value) { return std::abs(value) <= kLargestNumber; }
 

@@ -15,6 +15,9 @@ constexpr GlobalOrdinal kLargestId = (std::numeric_limits<GlobalOrdinal>::max() 
 /// A number that can be computed with: its products do not overflow.
 bool isUsable(double value);
 
+/// For messages.
+std::string describe(const PairInput& pair);
+
 /// \throws InputError that names the pair
 void checkPair(const PairInput& pair, int numInterfaces);
 

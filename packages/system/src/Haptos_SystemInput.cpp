@@ -18,6 +18,7 @@
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LocalFrame.hpp"
+#include "Haptos_PairLaws.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RemoteRows.hpp"
@@ -309,8 +310,7 @@ std::vector<PlacedPair> SystemInput::placePairs(double size) {
   std::size_t at = 0;
   runOnAllRanks(*comm_, [&] {
     const auto nodeOf = [&](const PairInput& pair, std::int64_t id) {
-      if (numbers[at] < 0)
-        throw InputError("The contact pair of node " + std::to_string(pair.secondary) + " needs node " + std::to_string(id) + ", which is in no subdomain.");
+      if (numbers[at] < 0) throw InputError(describe(pair) + " needs node " + std::to_string(id) + ", which is in no subdomain.");
       return numbers[at++];
     };
     for (const auto& pair : pairs) {
@@ -339,9 +339,7 @@ RCP<const MultiplierMap> SystemInput::makeRows() {
   sources.prescribed = collectPrescribed();
   // The check of the answer looks at nodes where the mean of their copies is made.
   prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });
-  for (const auto& [name, friction] : interfaces)
-    sources.interfaces.push_back(
-        {name, friction.tied, friction.law != FrictionLaw::Frictionless, friction.coefficients[0] == friction.coefficients[1]});
+  for (const auto& [name, friction] : interfaces) sources.interfaces.push_back(interfaceRows(name, friction));
   const auto rows = Teuchos::rcp(new MultiplierMap(comm_, sources));
   if (const auto overlap = firstPinnedOverlap(*comm_, *rows, size))
     throw InsufficientModel("The model has no solution: at node " + nameOfNode(overlap->node) + " of interface '" +
