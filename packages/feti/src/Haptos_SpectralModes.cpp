@@ -18,14 +18,14 @@ namespace {
 // Two neighbours of one subdomain that fall together count as one, which does little.  One that falls together with the subdomain
 // itself would hide a face: it does so under one prime only, since numbers that agree modulo both are 1147 apart.
 constexpr int kPrime = 37, kOtherPrime = 31;
-constexpr int kColumns = 8;  // at a time
+constexpr int kAtATime = 8;  // at a time
 
 // The share in the means of copies of all subdomains of one number modulo `prime`, at every unknown: means of what is 1 on these, else 0.
 template <class Take>
 void forEachGroup(const DualPreconditioner& M, int prime, Take&& take) {
   const auto& offsets = M.jump().primalOffsets();
-  for (int first = 0; first < prime; first += kColumns) {
-    const int width = std::min(kColumns, prime - first);
+  for (int first = 0; first < prime; first += kAtATime) {
+    const int width = std::min(kAtATime, prime - first);
     MultiVector t(M.jump().getDomainMap(), std::size_t(width));
     for (std::size_t i = 0; i + 1 < offsets.size(); ++i) {
       const int column = (M.jump().firstSubdomain() + int(i)) % prime - first;

@@ -31,6 +31,7 @@ SparseLdl::SparseLdl(const Matrix& A) {
   permuted = A.twistedBy(order_);
   findPattern(permuted);
   factor(permuted);
+  for (int& row : dropped_) row = toOld.indices()[row];
   findPanels();
 }
 
@@ -89,7 +90,7 @@ void SparseLdl::factor(const Matrix& A) {
     }
     if (pivot > kDependent * diagonal) inversePivots_[std::size_t(k)] = 1 / pivot;
     // Its inverse pivot stays 0: the row takes no part in solves, as if it were left out of A.
-    else if (diagonal > 0) ++numDropped_;
+    else if (diagonal > 0) dropped_.push_back(k);
   }
 }
 

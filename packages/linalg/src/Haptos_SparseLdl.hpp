@@ -18,7 +18,8 @@ class SparseLdl {
   /// \brief A^-1 B [size x any].
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   Eigen::Index size() const { return order_.size(); }
-  int numDropped() const { return numDropped_; }  ///< empty rows do not count
+  const std::vector<int>& dropped() const { return dropped_; }  ///< rows of A; empty ones do not count
+  int numDropped() const { return int(dropped_.size()); }
 
  private:
   void findPattern(const Eigen::SparseMatrix<double>& A);
@@ -42,7 +43,7 @@ class SparseLdl {
   std::vector<double> values_, inversePivots_;  // of L by columns, then by panels
   std::vector<Panel> panels_;
   int mostRows_ = 0;
-  int numDropped_ = 0;
+  std::vector<int> dropped_;
 };
 
 }  // namespace Haptos

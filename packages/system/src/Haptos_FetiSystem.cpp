@@ -4,13 +4,16 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <limits>
 
+#include "Haptos_ContradictingRows.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
 #include "Haptos_LoadAdmissibility.hpp"
 #include "Haptos_LocalSolverFactor.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PairLaws.hpp"
+#include "Haptos_ParameterValue.hpp"
 #include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RunClock.hpp"
@@ -32,6 +35,16 @@ double ranksOfMachine(const Communicator& comm) {
   const auto machine = std::size_t(lowestRankOfNode(comm));
   ranks[machine] = 1;
   return sumOfAll(comm, ranks)[machine];
+}
+
+// The longest edge of the box around all nodes.  Collective.
+double extentOf(const Communicator& comm, const SubdomainStiffness& stiffness) {
+  Eigen::Matrix<double, 6, 1> ends = Eigen::Matrix<double, 6, 1>::Constant(-std::numeric_limits<double>::max());  // of x and of -x
+  for (int i = 0; i < stiffness.size(); ++i)
+    for (const auto& x : stiffness.coordinates(i))
+      for (int d = 0; d < 3; ++d) ends[d] = std::max(ends[d], x[std::size_t(d)]), ends[3 + d] = std::max(ends[3 + d], -x[std::size_t(d)]);
+  ends = largestOfAll(comm, ends);
+  return (ends.head<3>() + ends.tail<3>()).maxCoeff();
 }
 
 }  // namespace
@@ -79,12 +92,27 @@ UnheldMotions FetiSystem::motionsUnheldAt(const Vector& lambda, const StateScale
   return findUnheldMotions(*model_.comm, G_->rows(), bodies_->Z(), counts);
 }
 
-// Both checks know e = R^T f alone, so a step is refused before anything is factored.
+// Contacts whose gaps and normals leave a node no room; u = 0 obeys all where no sides overlap.
+void FetiSystem::requireRoom(const Vector& c) const {
+  constexpr double kRoundOff = 1e-9;  // of the model
+  const auto data = c.getData(0);
+  bool isAnyClosed = false;
+  for (const PairLaw& pair : law_.pairs()) isAnyClosed = isAnyClosed || (pair.normal >= 0 && data[pair.normal] < 0);
+  if (!anyOfAll(*model_.comm, isAnyClosed)) return;
+  const auto found = findContradiction(*model_.multipliers, c, kRoundOff * extentOf(*model_.comm, *model_.stiffness));
+  if (!found) return;
+  throw InsufficientModel("The model has no solution: gaps of contact contradict each other, no displacements obey all of them. At node " +
+                          model_.nameOfNode(found->node) + " they overlap by " + numberText(found->depth) +
+                          " or more. Look for bodies or nodes between two obstacles that are nearer to each other than they are thick.");
+}
+
+// All checks know e = R^T f and gaps alone, so a step is refused before anything is factored.
 void FetiSystem::setStep(StepData step) {
   const Eigen::VectorXd e = G_->restrictLoad(*step.f, *systems_);
   const double loadScale = step.f->getVector(0)->norm2();
   requireBalance(unheld_, *bodies_, e, loadScale);
   requireAdmissibleLoads(law_, floating_, *G_, e, *bodies_, loadScale);
+  requireRoom(*step.c);
   step_ = std::move(step);
   if (isFormed()) dual_.setStep(step_);
 }

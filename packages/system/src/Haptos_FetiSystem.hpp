@@ -77,6 +77,7 @@ class FetiSystem {
  private:
   static constexpr int kCheapSpectrum = 300;  ///< unknowns of a boundary: from the first step on only where dense S costs little (decisions/042)
   void useRows();
+  void requireRoom(const Vector& c) const;
   template <class Holds>
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();

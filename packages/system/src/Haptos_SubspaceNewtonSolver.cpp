@@ -8,6 +8,7 @@
 
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_FetiSystem.hpp"
+#include "Haptos_ForcesOfDependentRows.hpp"
 #include "Haptos_KktEstimator.hpp"
 #include "Haptos_PairGroups.hpp"
 #include "Haptos_Reductions.hpp"
@@ -48,6 +49,7 @@ ContactOperators contactOperators(const FetiSystem& system, decltype(ContactOper
   const auto& kinds = system.jump().multipliers().kinds();
   for (std::size_t row = 0; row < kinds.size(); ++row)
     if (isEquality(kinds[row])) o.gluingRows.push_back(int(row));
+  addForcesOfDependentRows(system.jump().multipliers(), o);
   return o;
 }
 

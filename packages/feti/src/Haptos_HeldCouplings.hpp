@@ -1,0 +1,25 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <array>
+#include <tuple>
+#include <vector>
+
+#include "Haptos_MultiplierMap.hpp"
+
+namespace Haptos {
+
+/// \brief A coupling where all that meet it at nodes are, with one number a row.
+struct HeldCoupling {
+  std::array<GlobalOrdinal, 3> rows;  ///< -1: none
+  std::array<double, 3> values;
+  bool isContact;
+  std::array<std::array<double, 3>, 3> axes;
+  std::vector<PairNode> nodes;
+
+  auto parts() { return std::tie(rows, values, isContact, axes, nodes); }
+};
+
+/// \brief All couplings, each on the lowest rank of those that meet.  \param values [owned rows].  Collective.
+std::vector<HeldCoupling> heldCouplings(const MultiplierMap& multipliers, const Vector& values);
+
+}  // namespace Haptos

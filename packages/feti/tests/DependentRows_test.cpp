@@ -1,0 +1,119 @@
+// SPDX-License-Identifier: BSD-3-Clause
+// Nodes in several contacts, against the kernel of a dense B^T.
+#include "Haptos_DependentRows.hpp"
+
+#include <Teuchos_UnitTestHarness.hpp>
+#include <Tpetra_Core.hpp>
+#include <Tpetra_CrsMatrix.hpp>
+
+#include "FetiScene.hpp"
+#include "Haptos_ConstraintRows.hpp"
+#include "Haptos_DenseDecompositions.hpp"
+
+namespace {
+
+using namespace Haptos;
+using namespace Haptos::Testing;
+
+// Both bodies of a scene on rigid planes x = 0 and y = 0 too: nodes between the bodies are in two or three contacts; parts of the plane y = 0 lean.
+// Some nodes at x = 0 are held along z.
+Scene corneredScene(bool isTied) {
+  SceneOptions options;
+  options.subdomains = 6;
+  options.hold = [](int body, const Point& x) {
+    if (body == 0 && std::abs(x[2]) > 1 - 1e-9) return std::string("xyz");
+    return std::string(body == 1 && std::abs(x[2]) < 1e-9 && std::abs(x[0]) < 1e-9 && x[1] > 0.5 ? "z" : "");
+  };
+  Scene scene = makeScene(options);
+  scene.interfaces.front().tied = isTied;
+  for (const int d : {0, 1}) {
+    ContactInterface wall;
+    wall.name = d == 0 ? "x" : "y";
+    for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) {
+      const Point& x = scene.mesh.coordinates[i];
+      if (std::abs(x[std::size_t(d)]) > 1e-9 || x[2] < -1 + 1e-9) continue;
+      Point normal{d == 0 ? -1.0 : 0.0, d == 0 ? 0.0 : -1.0, d == 1 && x[0] > 0.8 ? 0.3 : 0.0};
+      ContactPair pair{std::int64_t(i), {{std::int64_t(i), 1.0}}, {}, makeFrame(normal, {0, 0, 1}), 0.0, 0.5};
+      wall.pairs.push_back(pair);
+    }
+    scene.interfaces.push_back(wall);
+  }
+  buildRows(scene);
+  return scene;
+}
+
+// Onto z with B^T z = 0, z on rows of pairs alone.
+Dense projectorOntoKernel(const Scene& scene, Eigen::Index& dimension) {
+  const Dense B = denseB(scene);
+  Dense all = Dense::Zero(B.rows(), B.rows());
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < B.rows(); ++i) {
+    const RowKind kind = scene.rows.kinds[std::size_t(i)];
+    if ((kind == RowKind::Tied || !isEquality(kind)) && !scene.rows.pinned[std::size_t(i)]) rows.push_back(i);
+  }
+  const Dense Bp = B(rows, Eigen::all);
+  const SymmetricEigen eigen(Bp * Bp.transpose());
+  dimension = (eigen.values.array() < 1e-10).count();
+  const Dense basis = eigen.vectors.leftCols(dimension);
+  all(rows, rows) = basis * basis.transpose();
+  return all;
+}
+
+Dense contactPart(const Scene& scene, Dense E, bool bothSides) {
+  for (Eigen::Index i = 0; i < E.rows(); ++i) {
+    if (!isEquality(scene.rows.kinds[std::size_t(i)])) continue;
+    E.row(i).setZero();
+    if (bothSides) E.col(i).setZero();
+  }
+  return E;
+}
+
+void compareWithKernel(const Scene& scene, Teuchos::FancyOStream& out, bool& success) {
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  Vector diagonal(feti.map());
+  diagonal.putScalar(2);
+  const DependentRows found = findDependentRows(feti.dealt.jump->multipliers(), diagonal);
+  Eigen::Index dimension = 0;
+  const Dense Q = projectorOntoKernel(scene, dimension);
+  out << dimension << " forces without effect\n";
+  TEST_EQUALITY(found.all.is_null(), dimension == 0);
+  if (found.all.is_null()) return;
+  const Dense E = denseOf(*found.all), expected = E.trace() / double(dimension) * Q;
+  TEST_COMPARE(E.trace(), >, 2.0 * double(dimension));  // k is more than M's diagonal
+  TEST_COMPARE(largest(E - expected), <=, 1e-10 * largest(E));
+  TEST_COMPARE(largest(denseOf(*found.contactRows) - contactPart(scene, expected, false)), <=, 1e-10 * largest(E));
+  TEST_COMPARE(largest(denseOf(*found.contact) - contactPart(scene, expected, true)), <=, 1e-10 * largest(E));
+}
+
+}  // namespace
+
+TEUCHOS_UNIT_TEST(DependentRows, NodesInThreeContacts) {
+  const Scene scene = corneredScene(false);
+  Eigen::Index dimension = 0;
+  projectorOntoKernel(scene, dimension);
+  TEST_COMPARE(dimension, >=, 20);
+  compareWithKernel(scene, out, success);
+}
+
+TEUCHOS_UNIT_TEST(DependentRows, NodesInContactThatAreTied) { compareWithKernel(corneredScene(true), out, success); }
+
+TEUCHOS_UNIT_TEST(DependentRows, RowsOfListsDependOnNoOthers) {
+  compareWithKernel(makeListScene(true), out, success);
+  compareWithKernel(makeScene({}), out, success);
+}
+
+// k is the mean over the rows of a group, weighed by what they take part.
+TEUCHOS_UNIT_TEST(DependentRows, StiffnessGoesWithTheDiagonal) {
+  const Scene scene = corneredScene(false);
+  const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
+  Vector diagonal(feti.map());
+  diagonal.putScalar(1);
+  const Dense once = denseOf(*findDependentRows(feti.dealt.jump->multipliers(), diagonal).all);
+  for (std::size_t i = 0; i < scene.rows.kinds.size(); ++i)
+    if (const auto row = feti.map()->getLocalElement(GlobalOrdinal(i)); row >= 0) diagonal.getDataNonConst(0)[row] = 1 + 0.1 * double(i % 7);
+  const Dense E = denseOf(*findDependentRows(feti.dealt.jump->multipliers(), diagonal).all);
+  Eigen::VectorXd d(E.rows());
+  for (Eigen::Index i = 0; i < d.size(); ++i) d[i] = 1 + 0.1 * double(i % 7);
+  TEST_FLOATING_EQUALITY(E.trace(), once.diagonal().dot(d), 1e-10);
+  TEST_COMPARE(largest(denseB(scene).transpose() * E), <=, 1e-9 * largest(E));
+}
