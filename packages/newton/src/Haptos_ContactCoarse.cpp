@@ -2,6 +2,7 @@
 #include "Haptos_ContactCoarse.hpp"
 
 #include <cmath>
+#include <memory>
 
 #include "Haptos_ContactNumbering.hpp"
 #include "Haptos_StackedQr.hpp"
@@ -50,6 +51,7 @@ ContactCoarse ContactCoarse::scaled(double factor) const {
   return result;
 }
 
+// Columns that depend on others are left to these.
 void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {
   constexpr double kNothing = 1e-12;
   if (known.motions.cols() == 0) known = {Eigen::MatrixXd(Q_.rows(), 0), Eigen::MatrixXd(Q_.rows(), 0)};
@@ -60,13 +62,17 @@ void ContactCoarse::appendTo(KnownMotions& known, const Blocks& K) const {
   if (energies.size() == 0) return;
   vectors_.sum(energies);
   const Eigen::VectorXd scale = energies.diagonal().cwiseSqrt().cwiseInverse();
-  const SymmetricEigen eigen(scale.asDiagonal() * (0.5 * (energies + energies.transpose())) * scale.asDiagonal());
-  const Eigen::Index good = (eigen.values.array() > kNothing).count(), before = known.motions.cols();
-  const Eigen::MatrixXd T = scale.asDiagonal() * eigen.vectors.rightCols(good) * eigen.values.tail(good).cwiseSqrt().cwiseInverse().asDiagonal();
-  known.motions.conservativeResize(Eigen::NoChange, before + good);
-  known.images.conservativeResize(Eigen::NoChange, before + good);
-  known.motions.rightCols(good) = Q * T;
-  known.images.rightCols(good) = GQ * T;
+  const auto factor = std::make_shared<const PivotedCholesky>(scale.asDiagonal() * energies * scale.asDiagonal(), kNothing);
+  const Eigen::Index before = known.motions.cols(), count = Q.cols();
+  known.motions.conservativeResize(Eigen::NoChange, before + count);
+  known.images.conservativeResize(Eigen::NoChange, before + count);
+  known.motions.rightCols(count) = Q;
+  known.images.rightCols(count) = GQ;
+  known.solve = [factor, scale](const Eigen::VectorXd& g) {
+    Eigen::VectorXd a = g;
+    a.tail(scale.size()) = scale.cwiseProduct(factor->solve(scale.cwiseProduct(g.tail(scale.size()))).col(0));
+    return a;
+  };
 }
 
 // Z is what takes products.  Any is good that is about what the law lets of Q.

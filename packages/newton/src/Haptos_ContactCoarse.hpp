@@ -36,7 +36,7 @@ class ContactCoarse {
   const Eigen::VectorXd& diagonal() const { return diagonal_; }
   const DualVectors& vectors() const { return vectors_; }
 
-  /// \brief Appends combinations T of Q to motions W with W^T K W = 1, M W = 0, such that (W, T)^T (M + K) (W, T) = 1.  Collective.
+  /// \brief Appends Q to motions W with W^T K W = 1, M W = 0, without their part in these, and makes `solve` of (W, Q)^T (M + K) (W, Q).  Collective.
   void appendTo(KnownMotions& known, const Blocks& K) const;
 
  private:

@@ -12,7 +12,7 @@ namespace Haptos {
 
 // The next r^T z follows from sums that are taken with this step's, (r - alpha A p)^T D^-1 (r - alpha A p) = r^T z
 // - 2 alpha r^T D^-1 A p + alpha^2 (A p)^T D^-1 A p: one reduction a step.  It decides how far to go, and is summed anew by the next
-// step.  z follows as r does: one application of D^-1 a step.  With W = A H of known motions, x = H H^T b + y: every p is kept W^T p = 0, so
+// step.  z follows as r does: one application of D^-1 a step.  With W = A H of known motions and E = H^T W, x = H E^-1 H^T b + y: every p is kept W^T p = 0, so
 // that H^T r stays 0; W^T z follows as r^T z does.
 ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const {
   const Eigen::MatrixXd none(b.size(), 0);  // products want its rows
@@ -22,11 +22,12 @@ ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vector
     if (values.size() > 0) vectors.sum(values);
     return values;
   };
-  const Eigen::VectorXd a = summed(H.transpose() * b);
+  const auto solved = [&](const Eigen::VectorXd& g) { return known.solve ? known.solve(g) : g; };
+  const Eigen::VectorXd a = solved(summed(H.transpose() * b));
   Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size()), r = b;
   if (a.size() > 0) x = H * a, r -= W * a;
   Eigen::VectorXd z = preconditioner(r), g = summed(W.transpose() * z), p = z, sums(4 + a.size());
-  if (a.size() > 0) p -= H * g;
+  if (a.size() > 0) p -= H * solved(g);
   double target = -1;
   for (int step = 0; step < steps; ++step) {
     const Eigen::VectorXd Ap = matrix(p), DAp = preconditioner(Ap);
@@ -43,7 +44,7 @@ ContactEquations::Solution ContactEquations::solveByCg(const DualVectors& vector
     p = z + (next / rz) * p;
     if (a.size() == 0) continue;
     g -= alpha * sums.tail(a.size());
-    p -= H * g;
+    p -= H * solved(g);
   }
   return {x, false, steps};
 }

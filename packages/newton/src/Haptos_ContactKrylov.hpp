@@ -12,6 +12,7 @@ namespace Haptos {
 /// exact solve in these few motions does.  Source: Nicolaides, SIAM J. Numer. Anal. 24 (1987) 355.
 struct KnownMotions {
   Eigen::MatrixXd motions, images;
+  std::function<Eigen::VectorXd(const Eigen::VectorXd&)> solve{};  ///< (motions^T images)^-1, the same on all ranks; empty: it is 1
 };
 
 /// \brief A linear system on contact values [3 pairs], which are spread over the ranks, with a preconditioner.
@@ -29,10 +30,10 @@ struct ContactEquations {
   };
 
   /// \brief Conjugate gradients: matrix and preconditioner symmetric and positive; the residual in the preconditioner's norm.
-  /// known: motions^T images = 1.  Collective: one reduction a step.
+  /// Collective: one reduction a step.
   Solution solveByCg(const DualVectors& vectors, const Eigen::VectorXd& b) const;
 
-  /// \brief GMRES, preconditioned from the right, without restart; known: orthonormal images.  Collective: two reductions a step.
+  /// \brief GMRES, preconditioned from the right, without restart; known: orthonormal images, `solve` is not asked.  Collective: two reductions a step.
   Solution solveByGmres(const DualVectors& vectors, const Eigen::VectorXd& b) const;
 };
 

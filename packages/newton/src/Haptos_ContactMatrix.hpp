@@ -107,6 +107,7 @@ class ContactMatrix {
   void makeCompliance() const;
   ContactEquations symmetricEquations(const Blocks& K) const;
   ContactEquations generalEquations(const Blocks& A, const Blocks& B, double tolerance) const;
+  double stepsOfRenewal() const;
   ContactEquations::Solution solveByGroups(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
 
   RCP<const Operator> M_;  // times scaling_
@@ -132,7 +133,9 @@ class ContactMatrix {
   mutable std::unique_ptr<SchwarzPreconditioner> symmetricGroups_;  // the same for symmetric systems
   mutable std::unique_ptr<const ContactCoarse> coarse_;           // null until Krylov methods fail without it
   mutable std::unique_ptr<TwoLevelPreconditioner> twoLevel_;       // beside it, of the last general system
-  mutable bool isCoarseReady_ = false;                             // for groups that have not changed since
+  mutable bool isCoarseReady_ = false;                             // for some law, M as it is
+  mutable int freshSteps_ = 0;                                     // of GMRES, for the law that it was made for
+  mutable double moreSteps_ = 0;                                   // of all others since then
   mutable int numLost_ = 0;                                        // solves in a row that failed with it
   mutable long products_ = 0, solves_ = 0;  // by Krylov methods
 };

@@ -123,6 +123,12 @@ bool SchwarzPreconditioner::renew(double scaling, const Eigen::MatrixXd& blocks)
   return isAny;
 }
 
+double SchwarzPreconditioner::entriesRead() const {
+  double sum = 0;
+  for (const Group& group : groups_) sum += double(form_ == Form::Restricted ? group.own.size() : group.values.size()) * double(group.values.size());
+  return sum;
+}
+
 Eigen::MatrixXd SchwarzPreconditioner::apply(const Eigen::MatrixXd& r) const {
   const Eigen::MatrixXd all = numbering_.onAllRanks(r);
   Eigen::MatrixXd z = Eigen::MatrixXd::Zero(all.rows(), all.cols());

@@ -32,6 +32,8 @@ class SchwarzPreconditioner {
   /// \return whether any is new
   bool renew(double scaling, const Eigen::MatrixXd& blocks);
 
+  double entriesRead() const;  ///< of matrices, by an application to a vector, over all ranks
+
   Eigen::MatrixXd apply(const Eigen::MatrixXd& r) const;  ///< [contact values of this rank x any].  Collective: two reductions.
 
  private:

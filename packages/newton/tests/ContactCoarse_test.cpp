@@ -192,14 +192,15 @@ using Smooth = std::function<Eigen::MatrixXd()>;
 using Groups = std::function<SchwarzPreconditioner::Groups()>;
 
 ContactMatrix matrixOf(const Scene& t, const SoftMatrix& m, bool isFloating, const Smooth& smooth, const Groups& groups,
-                       const SubspaceNewtonOptions::Condensed& options) {
+                       const SubspaceNewtonOptions::Condensed& options, RCP<const CountedOperator>* counted = nullptr) {
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
   Eigen::MatrixXd kernel(3 * t.vectors.numPairs(), isFloating ? 6 : 0);
   for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
-  return ContactMatrix({contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs), contactPart(m.M.diagonal()), {}, kernel, smooth, 0, groups},
-                       t.vectors, ContactMatrix::Kind::Products, options);
+  const RCP<const CountedOperator> M = rcp(new CountedOperator(contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs)));
+  if (counted) *counted = M;
+  return ContactMatrix({M, contactPart(m.M.diagonal()), {}, kernel, smooth, 0, groups}, t.vectors, ContactMatrix::Kind::Products, options);
 }
 
 // Errors of (M + K) d = b and of (A M + B) d = b, relative; the matrix was scaled.
@@ -321,6 +322,49 @@ TEUCHOS_UNIT_TEST(ContactCoarse, AScaledMatrixKeepsItsGroupsAndItsCoarseSpace) {
     TEST_EQUALITY(numSmooth, 1);
     TEST_EQUALITY(numGroups, 1);
   }
+}
+
+// Error of (A M + B) d = b with the law of other pairs, and what is resisted more or less.
+double errorWithLawOf(const ContactMatrix& matrix, const Scene& t, const SoftMatrix& m, int shift, double factor, double tolerance) {
+  const DenseVector expected = numbers(kRows, 0.4);
+  DenseVector general = m.M * expected;
+  const auto lawOf = [&](int i) {
+    auto [A, B] = blocksOf(i + shift);
+    return std::pair<Eigen::Matrix3d, Eigen::Matrix3d>(A, factor * B);
+  };
+  for (int i = 0; i < kGroups; ++i) {
+    const auto [A, B] = lawOf(i);
+    general.segment<3>(3 * i) = (A * general.segment<3>(3 * i) + B * expected.segment<3>(3 * i)).eval();
+  }
+  ContactMatrix::Blocks A, B;
+  for (const PairLaw& pair : t.dual.pairs) {
+    const auto [Ai, Bi] = lawOf(int(t.setup.map->getGlobalElement(pair.normal)) / 3);
+    A.push_back(Ai);
+    B.push_back(Bi);
+  }
+  return t.vectors.norm(matrix.solve(A, B, t.contactPart(general), tolerance) - t.contactPart(expected)) / expected.norm();
+}
+
+// No column of M Z is made for a law that differs a little; for another one they are, before steps come to their bound.
+TEUCHOS_UNIT_TEST(ContactCoarse, CoarseJumpsServeUntilStepsCostAsMuch) {
+  const Scene t(false);
+  const SoftMatrix m(t, false);
+  auto options = fewSteps(false);
+  options.linearSteps = 14;
+  RCP<const CountedOperator> M;
+  const ContactMatrix matrix = matrixOf(t, m, false, [&] { return contactColumns(t, m.soft); }, [&] { return groupsOf(t, m.M); }, options, &M);
+  const auto productsOf = [&](int shift, double factor, double tolerance) {
+    const long before = M->applications();
+    const double error = errorWithLawOf(matrix, t, m, shift, factor, tolerance);
+    const long products = M->applications() - before;
+    if (tolerance < 1e-9) TEST_COMPARE(error, <, 1e-6);
+    return products;
+  };
+  const long first = productsOf(0, 1, 1e-10), again = productsOf(0, 1, 1e-10), near = productsOf(0, 1.2, 1e-8), far = productsOf(1, 1, 1e-10);
+  out << first << " " << again << " " << near << " " << far << "\n";
+  TEST_COMPARE(first, >, again + kSoft);
+  TEST_COMPARE(near, <=, again);
+  TEST_COMPARE(far, >, again + kSoft);  // as many columns
 }
 
 }  // namespace
