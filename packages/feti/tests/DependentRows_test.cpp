@@ -102,6 +102,28 @@ TEUCHOS_UNIT_TEST(DependentRows, RowsOfListsDependOnNoOthers) {
   compareWithKernel(makeScene({}), out, success);
 }
 
+// Each pair has a node of its own, which is held along y: along y both act on the third alone.
+TEUCHOS_UNIT_TEST(DependentRows, PairsWhoseOwnNodesAreHeld) {
+  SceneOptions options;
+  options.hold = [](int body, const Point& x) { return std::string(body == 1 && x[2] > 1 - 1e-9 && x[1] < 1e-9 ? "y" : ""); };
+  Scene scene = makeScene(options);
+  std::vector<std::int64_t> held, others;
+  for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) {
+    const Point& x = scene.mesh.coordinates[i];
+    if (x[2] > 1 - 1e-9) (x[1] < 1e-9 ? held : others).push_back(std::int64_t(i));
+  }
+  ContactInterface lists;
+  lists.name = "lists";
+  for (std::size_t k = 0; k < 2; ++k)
+    lists.pairs.push_back({held[k], {{held[k], 0.5}, {others.front(), 0.5}}, {}, makeFrame({0, 0, -1}, {1, 0, 0}), 0.0, 0.5});
+  scene.interfaces.push_back(lists);
+  buildRows(scene);
+  Eigen::Index dimension = 0;
+  projectorOntoKernel(scene, dimension);
+  TEST_EQUALITY(dimension, 1);
+  compareWithKernel(scene, out, success);
+}
+
 // k is the mean over the rows of a group, weighed by what they take part.
 TEUCHOS_UNIT_TEST(DependentRows, StiffnessGoesWithTheDiagonal) {
   const Scene scene = corneredScene(false);
