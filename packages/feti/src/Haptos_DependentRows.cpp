@@ -20,10 +20,8 @@ namespace {
 
 using Sparse = Eigen::SparseMatrix<double>;
 
-constexpr double kRoundOff = 1e-9;   // of coefficients that are about 1
-constexpr double kStiffness = 1000;   // of a row: what the law asks of a force has to be seen, and hides the jumps of no other (decisions/057)
-
-bool isWhollyFree(const PairNode& node) { return node.weight != 0 && !node.isPrescribed[0] && !node.isPrescribed[1] && !node.isPrescribed[2]; }
+constexpr double kRoundOff = 1e-9;  // of coefficients that are about 1
+constexpr double kStiffness = 1000;  // of a row: what the law asks of a force has to be seen, and hides the jumps of no other (decisions/057)
 
 // Rows with a node of their own, free in all components, depend on no others: without them others may have one.
 std::vector<HeldCoupling> withoutIndependent(std::vector<HeldCoupling> items) {
@@ -52,6 +50,20 @@ std::vector<HeldCoupling> withoutIndependent(std::vector<HeldCoupling> items) {
   for (std::size_t i = 0; i < items.size(); ++i)
     if (isLeft[i]) rest.push_back(std::move(items[i]));
   return rest;
+}
+
+// Those that meet at nodes, each with all that it meets.
+std::vector<std::vector<HeldCoupling>> parted(std::vector<HeldCoupling> items) {
+  DisjointSets sets(items.size());
+  std::map<std::int64_t, int> first;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    for (const PairNode& node : items[i].nodes)
+      if (const auto [at, isNew] = first.emplace(node.node, int(i)); !isNew) sets.join(at->second, int(i));
+  int count = 0;
+  const std::vector<int> numbers = sets.numbered(count);
+  std::vector<std::vector<HeldCoupling>> parts{std::size_t(count)};
+  for (std::size_t i = 0; i < items.size(); ++i) parts[std::size_t(numbers[i])].push_back(std::move(items[i]));
+  return parts;
 }
 
 struct Rows {
@@ -146,13 +158,15 @@ struct Entry {
 };
 
 std::vector<Entry> entriesOfE(const std::vector<HeldCoupling>& items) {
-  const Rows rows = rowsOfCouplings(withoutIndependent(items));
-  const Sparse Z = kernelOf(rows.C);
   std::vector<Entry> entries;
-  for (const auto& group : groupsOf(Z))
-    forEachEntry(rows, Z, group, [&](std::size_t i, std::size_t j, double value) {
-      entries.push_back({rows.global[i], rows.global[j], value, rows.isContact[i] != 0, rows.isContact[j] != 0});
-    });
+  for (const auto& part : parted(withoutIndependent(items))) {
+    const Rows rows = rowsOfCouplings(part);
+    const Sparse Z = kernelOf(rows.C);
+    for (const auto& group : groupsOf(Z))
+      forEachEntry(rows, Z, group, [&](std::size_t i, std::size_t j, double value) {
+        entries.push_back({rows.global[i], rows.global[j], value, rows.isContact[i] != 0, rows.isContact[j] != 0});
+      });
+  }
   return entries;
 }
 

@@ -3,17 +3,36 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
+#include <map>
 
 #include "Haptos_ConstraintRows.hpp"
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
 
+namespace {
+
+// Of this rank's couplings, that use it.
+std::map<std::int64_t, int> usesOfNodes(const std::vector<Coupling>& couplings) {
+  std::map<std::int64_t, int> uses;
+  for (const Coupling& coupling : couplings)
+    for (const PairNode& node : coupling.nodes) uses[node.node] += node.weight != 0;
+  return uses;
+}
+
+}  // namespace
+
+bool isWhollyFree(const PairNode& node) { return node.weight != 0 && !node.isPrescribed[0] && !node.isPrescribed[1] && !node.isPrescribed[2]; }
+
 std::vector<HeldCoupling> heldCouplings(const MultiplierMap& multipliers, const Vector& values) {
   const Map& map = *multipliers.map();
   std::vector<std::vector<HeldCoupling>> outgoing(std::size_t(map.getComm()->getSize()));
   const auto data = values.getData(0);
+  const auto uses = usesOfNodes(multipliers.couplings());
+  const auto isOwn = [&](const PairNode& node) { return isWhollyFree(node) && uses.at(node.node) == 1; };
   for (const Coupling& coupling : multipliers.couplings()) {
+    if (coupling.holder < 0 && std::any_of(coupling.nodes.begin(), coupling.nodes.end(), isOwn)) continue;
     HeldCoupling item{{-1, -1, -1}, {0, 0, 0}, false, coupling.axes, coupling.nodes};
     for (std::size_t a = 0; a < 3; ++a)
       if (const int row = coupling.rows[a]; row >= 0) {

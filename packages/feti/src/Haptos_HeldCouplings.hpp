@@ -19,7 +19,11 @@ struct HeldCoupling {
   auto parts() { return std::tie(rows, values, isContact, axes, nodes); }
 };
 
-/// \brief All couplings, each on the lowest rank of those that meet.  \param values [owned rows].  Collective.
+/// \brief Free in all components: rows that have one to themselves can be obeyed whatever others ask for.
+bool isWhollyFree(const PairNode& node);
+
+/// \brief Couplings, each on the lowest rank of those that meet; without those of one rank alone that have a wholly free node to themselves, which are
+/// most, and depend on no others.  \param values [owned rows].  Collective.
 std::vector<HeldCoupling> heldCouplings(const MultiplierMap& multipliers, const Vector& values);
 
 }  // namespace Haptos
