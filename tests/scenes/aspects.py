@@ -35,7 +35,7 @@ def plates(aspect, elements, layers, held, parts=None):
 
 def solve(options, scene, folder):
     """Status, multiplications, seconds of the solve, pairs."""
-    path = scene.write(folder, "scene") if hasattr(scene, "write") else random_scenes.write(scene, folder, "scene")
+    path = scene.write(folder, "scene")
     summary = pathlib.Path(folder) / "summary.json"
     summary.unlink(missing_ok=True)
     run = subprocess.run([*options.launcher.split(), options.haptos, path, "--output", f"{folder}/result.exo", "--summary", summary],

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <map>
 
+#include "Haptos_CouplingCoefficients.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_HeldCouplings.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -26,15 +27,14 @@ struct NormalRow {
 
 std::vector<NormalRow> normalRows(const std::vector<HeldCoupling>& couplings, int& numColumns) {
   constexpr double kNothing = 1e-12;
-  std::map<std::pair<std::int64_t, std::size_t>, int> columns;
+  std::map<std::pair<std::int64_t, int>, int> columns;
   std::vector<NormalRow> rows;
   for (const HeldCoupling& coupling : couplings) {
     NormalRow row{coupling.nodes.front().node, coupling.values[0], {}};
     if (!coupling.isContact || coupling.rows[0] < 0) continue;
-    for (const PairNode& node : coupling.nodes)
-      for (std::size_t d = 0; d < 3; ++d)
-        if (const double value = coupling.axes[0][d] * node.weight; !node.isPrescribed[d] && std::abs(value) > kNothing)
-          row.entries.emplace_back(columns.emplace(std::pair(node.node, d), int(columns.size())).first->second, value);
+    forEachCoefficient(coupling.axes[0], coupling.nodes, [&](const PairNode& node, int d, double value) {
+      if (std::abs(value) > kNothing) row.entries.emplace_back(columns.emplace(std::pair(node.node, d), int(columns.size())).first->second, value);
+    });
     if (!row.entries.empty()) rows.push_back(std::move(row));
   }
   numColumns = int(columns.size());
@@ -89,7 +89,8 @@ Eigen::VectorXd leastMisses(const Sparse& N, const Eigen::VectorXd& c) {
 std::optional<Contradiction> contradictionOf(const std::vector<HeldCoupling>& couplings, double roundOff) {
   constexpr double kBalanced = 1e-6;
   int numColumns = 0;
-  const std::vector<NormalRow> all = normalRows(couplings, numColumns), rows = withoutOwnColumns(all, numColumns);
+  std::vector<NormalRow> rows = normalRows(couplings, numColumns);
+  rows = withoutOwnColumns(std::move(rows), numColumns);
   if (std::none_of(rows.begin(), rows.end(), [&](const NormalRow& row) { return row.c < -roundOff; })) return {};  // u = 0 obeys them
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::VectorXd c(Eigen::Index(rows.size()));

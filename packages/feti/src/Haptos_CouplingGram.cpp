@@ -8,6 +8,7 @@
 #include <map>
 #include <type_traits>
 
+#include "Haptos_CouplingCoefficients.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DisjointSets.hpp"
 #include "Haptos_Error.hpp"
@@ -22,14 +23,6 @@ namespace {
 constexpr std::size_t kMostDense = 60;  // rows: beyond, a sparse factor costs less than an inverse
 
 bool isFree(const PairNode& node) { return !(node.isPrescribed[0] && node.isPrescribed[1] && node.isPrescribed[2]); }
-
-// visit(node, component, coefficient) for row a of a pair
-template <class Axes, class Visit>
-void forEachCoefficient(const Axes& axis, const std::vector<PairNode>& nodes, Visit&& visit) {
-  for (const PairNode& node : nodes)
-    for (int d = 0; d < 3; ++d)
-      if (!node.isPrescribed[std::size_t(d)] && std::abs(axis[std::size_t(d)]) >= 1e-12) visit(node, d, axis[std::size_t(d)] * node.weight);
-}
 
 // The unknowns of a coupling: its rows, or for all three rows of a pair the same in global axes.
 constexpr std::array<std::array<double, 3>, 3> kGlobal{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 
+#include "Haptos_CouplingCoefficients.hpp"
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DisjointSets.hpp"
 #include "Haptos_Error.hpp"
@@ -75,17 +76,15 @@ struct Rows {
 
 Rows rowsOfCouplings(const std::vector<HeldCoupling>& items) {
   Rows rows;
-  std::map<std::pair<std::int64_t, std::size_t>, int> columns;
+  std::map<std::pair<std::int64_t, int>, int> columns;
   std::vector<Eigen::Triplet<double>> entries;
   for (const HeldCoupling& item : items)
     for (std::size_t a = 0; a < 3; ++a) {
       if (item.rows[a] < 0) continue;
-      for (const PairNode& node : item.nodes)
-        for (std::size_t d = 0; d < 3; ++d) {
-          const double value = item.axes[a][d] * node.weight;
-          if (node.isPrescribed[d] || std::abs(value) < kRoundOff) continue;
+      forEachCoefficient(item.axes[a], item.nodes, [&](const PairNode& node, int d, double value) {
+        if (std::abs(value) >= kRoundOff)
           entries.emplace_back(int(rows.global.size()), columns.emplace(std::pair(node.node, d), int(columns.size())).first->second, value);
-        }
+      });
       rows.global.push_back(item.rows[a]);
       rows.diagonal.push_back(item.values[a]);
       rows.isContact.push_back(item.isContact);
@@ -170,7 +169,7 @@ std::vector<Entry> entriesOfE(const std::vector<HeldCoupling>& items) {
   return entries;
 }
 
-// Collective.
+// Room in a row for all of E, or for a part.  Collective.
 std::size_t mostPerRow(const Communicator& comm, const std::vector<Entry>& entries) {
   std::map<GlobalOrdinal, int> counts;
   int most = 0;
@@ -179,8 +178,9 @@ std::size_t mostPerRow(const Communicator& comm, const std::vector<Entry>& entri
 }
 
 template <class IsIn>
-RCP<const CrsMatrix> matrixOf(const std::vector<Entry>& entries, const RCP<const Map>& rows, const RCP<const Map>& columns, IsIn&& isIn) {
-  auto E = Teuchos::rcp(new CrsMatrix(rows, mostPerRow(*rows->getComm(), entries)));
+RCP<const CrsMatrix> matrixOf(const std::vector<Entry>& entries, std::size_t perRow, const RCP<const Map>& rows, const RCP<const Map>& columns,
+                              IsIn&& isIn) {
+  auto E = Teuchos::rcp(new CrsMatrix(rows, perRow));
   for (const Entry& entry : entries)
     if (isIn(entry)) E->insertGlobalValues(entry.row, Teuchos::tuple(entry.column), Teuchos::tuple(entry.value));
   E->fillComplete(columns, rows);
@@ -194,11 +194,12 @@ DependentRows findDependentRows(const MultiplierMap& multipliers, const Vector& 
   const std::vector<HeldCoupling> items = heldCouplings(multipliers, diagonal);
   std::vector<Entry> entries;
   runOnAllRanks(comm, [&] { entries = entriesOfE(items); });
-  if (!anyOfAll(comm, !entries.empty())) return {};
+  const std::size_t perRow = mostPerRow(comm, entries);
+  if (perRow == 0) return {};
   const auto &all = multipliers.map(), &contact = multipliers.contactMap();
-  return {matrixOf(entries, all, all, [](const Entry&) { return true; }),
-          matrixOf(entries, contact, all, [](const Entry& entry) { return entry.isContactRow; }),
-          matrixOf(entries, contact, contact, [](const Entry& entry) { return entry.isContactRow && entry.isContactColumn; })};
+  return {matrixOf(entries, perRow, all, all, [](const Entry&) { return true; }),
+          matrixOf(entries, perRow, contact, all, [](const Entry& entry) { return entry.isContactRow; }),
+          matrixOf(entries, perRow, contact, contact, [](const Entry& entry) { return entry.isContactRow && entry.isContactColumn; })};
 }
 
 }  // namespace Haptos

@@ -10,7 +10,6 @@
 #include "Haptos_Rendezvous.hpp"
 
 namespace Haptos {
-
 namespace {
 
 // Of this rank's couplings, that use it.

@@ -57,6 +57,9 @@ class Scene:
         both = [mesh for mesh in self.meshes[max(0, body - 1):body + 1]]
         return any(len(nodes_in_middles(mesh.shape)) > CORNERS[mesh.shape] for mesh in both) or (body > 0 and both[0] != both[1])
 
+    def write(self, folder, name):
+        return write(self, folder, name)
+
     def describe(self):
         nu = f"nu {max(self.poisson):.5g}, " if max(self.poisson) > 0.45 else ""
         size = f" {':'.join(f'{s:.3g}' for s in self.size)}" if self.family != "basic" else ""
