@@ -33,7 +33,19 @@ KINDS = {"edge": ([[(0, 0, 0)]], ["bottom0", "left0"], []),
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
 
 
-class Corner:
+class Written:
+    """What `aspects.solve` asks of a scene, by its `mesh` and `input`."""
+
+    def write(self, folder, name):
+        """Mesh and input; returns the input's path."""
+        folder = pathlib.Path(folder)
+        write_exodus(folder / f"{name}.exo", self.mesh())
+        path = folder / f"{name}.xml"
+        path.write_text(self.input(name))
+        return path
+
+
+class Corner(Written):
     """One scene of a seed, as `aspects.solve` takes it."""
 
     def __init__(self, seed, index):
@@ -55,14 +67,6 @@ class Corner:
 
     def describe(self):
         return f"{self.kind}{', leaning' if self.lean else ''}, {self.shape} {'x'.join(map(str, self.elements))}, ({self.friction[0]:.2g}, {self.friction[1]:.2g})"
-
-    def write(self, folder, name):
-        """Mesh and input; returns the input's path."""
-        folder = pathlib.Path(folder)
-        write_exodus(folder / f"{name}.exo", self.mesh())
-        path = folder / f"{name}.xml"
-        path.write_text(self.input(name))
-        return path
 
     def mesh(self):
         points, blocks, sides, box, numbers = np.zeros((0, 3)), [], [], 0, 0
@@ -113,8 +117,8 @@ class Corner:
         return conditions
 
 
-def main():
-    parser = argparse.ArgumentParser(allow_abbrev=False, description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+def main(scenes, text):
+    parser = argparse.ArgumentParser(allow_abbrev=False, description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--haptos", required=True)
     parser.add_argument("--launcher", default="", help="as in 'mpirun -n 2'")
     parser.add_argument("--seed", type=int, default=1)
@@ -126,7 +130,7 @@ def main():
     print("|---|---|---|---|---|---|")
     failed = 0
     for index in options.only or range(options.scenes):
-        scene = Corner(options.seed, index)
+        scene = scenes(options.seed, index)
         with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
             status, count, seconds, pairs = solve(options, scene, folder)
         wrong = [f"status {status}"] * (status != 0) + [f"more than {options.most}"] * (count > options.most)
@@ -136,4 +140,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(main(Corner, __doc__))

@@ -10,6 +10,8 @@
 
 namespace Haptos {
 
+struct DependentGroup;
+
 /// \brief S = C W C^T between the rows of pairs, contact and tied, and its inverse: B W B^T once gluing rows are eliminated.
 ///
 /// C has the rows on the level of nodes (axis x weight, prescribed components left out), W = 1 / sum of the stiffness weights
@@ -17,6 +19,7 @@ namespace Haptos {
 /// and cut below 1e-10; where they lie on several ranks, or are many, one rank holds a sparse factor of them, and an
 /// application gathers and scatters once.  Three rows of a pair are turned to global axes there, in which S has a block a component,
 /// the same where all components of a node or none are prescribed (`ComponentLdl`).
+/// Where rows depend on others, or nearly (`DependentGroup`), S + sum s_i Q_i is inverted, s_i the mean of S's diagonal: S^-1 makes nothing much of them.
 /// An empty (pinned) row gives zero.  Decision: 023-rows-of-pairs-on-nodes.
 class CouplingGram {
  public:
@@ -56,11 +59,13 @@ class CouplingGram {
 
   void findRowsAndNodes();
   std::vector<Group> findLocalGroups() const;
-  void invertGroups(const std::vector<Group>& groups);
+  std::vector<GlobalOrdinal> globalRows(const Group& group) const;
+  void invertGroups(const std::vector<Group>& groups, const std::vector<DependentGroup>& dependent);
   void addDiagonals(const Coupling& coupling);
   std::vector<int> findHolders(const std::vector<Group>& groups) const;
-  void holdFactors(const std::vector<int>& holders);
-  void factorHeld(const Held& held);
+  void holdFactors(const std::vector<int>& holders, const std::vector<DependentGroup>& dependent);
+  Matrix onHeldDependentRows(const Held& held, const std::vector<DependentGroup>& dependent) const;
+  void factorHeld(const Held& held, const std::vector<DependentGroup>& dependent);
   HolderTransfer::Ends endsOfRows(const std::vector<int>& holders, const Held& held) const;
   void addNodes(const std::vector<int>& holders, const Held& held, HolderTransfer::Ends& ends) const;
   void setHeldDiagonals();

@@ -4,6 +4,7 @@
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "Haptos_ConstraintRows.hpp"
@@ -22,15 +23,24 @@ std::map<std::int64_t, int> usesOfNodes(const std::vector<Coupling>& couplings) 
 
 }  // namespace
 
-bool isWhollyFree(const PairNode& node) { return node.weight != 0 && !node.isPrescribed[0] && !node.isPrescribed[1] && !node.isPrescribed[2]; }
+bool hasToItself(const std::vector<PairNode>& nodes, std::int64_t node) {
+  constexpr double kResists = 0.1;
+  double largest = 0, own = 0;
+  for (const PairNode& other : nodes) {
+    largest = std::max(largest, std::abs(other.weight));
+    const bool isFree = !other.isPrescribed[0] && !other.isPrescribed[1] && !other.isPrescribed[2];
+    if (other.node == node && isFree) own = std::abs(other.weight);
+  }
+  return own > kResists * largest;
+}
 
 std::vector<HeldCoupling> heldCouplings(const MultiplierMap& multipliers, const Vector& values) {
   const Map& map = *multipliers.map();
   std::vector<std::vector<HeldCoupling>> outgoing(std::size_t(map.getComm()->getSize()));
   const auto data = values.getData(0);
   const auto uses = usesOfNodes(multipliers.couplings());
-  const auto isOwn = [&](const PairNode& node) { return isWhollyFree(node) && uses.at(node.node) == 1; };
   for (const Coupling& coupling : multipliers.couplings()) {
+    const auto isOwn = [&](const PairNode& node) { return uses.at(node.node) == 1 && hasToItself(coupling.nodes, node.node); };
     if (coupling.holder < 0 && std::any_of(coupling.nodes.begin(), coupling.nodes.end(), isOwn)) continue;
     HeldCoupling item{{-1, -1, -1}, {0, 0, 0}, false, coupling.axes, coupling.nodes};
     for (std::size_t a = 0; a < 3; ++a)

@@ -19,10 +19,11 @@ struct HeldCoupling {
   auto parts() { return std::tie(rows, values, isContact, axes, nodes); }
 };
 
-/// \brief Free in all components: rows that have one to themselves can be obeyed whatever others ask for.
-bool isWhollyFree(const PairNode& node);
+/// \brief Whether rows on these nodes, none of them met elsewhere, can be obeyed whatever others ask for, as `node` is free in all components and has a tenth
+/// of the largest weight: with less its force is nearly that of the other nodes.
+bool hasToItself(const std::vector<PairNode>& nodes, std::int64_t node);
 
-/// \brief Couplings, each on the lowest rank of those that meet; without those of one rank alone that have a wholly free node to themselves, which are
+/// \brief Couplings, each on the lowest rank of those that meet; without those of one rank alone that have a node to themselves, which are
 /// most, and depend on no others.  \param values [owned rows].  Collective.
 std::vector<HeldCoupling> heldCouplings(const MultiplierMap& multipliers, const Vector& values);
 

@@ -5,12 +5,16 @@
 #include <Teuchos_DefaultMpiComm.hpp>
 #include <Teuchos_UnitTestHarness.hpp>
 #include <Tpetra_Core.hpp>
+#include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <set>
 
 #include "DensePreconditioner.hpp"
 #include "Haptos_ContactBlock.hpp"
 #include "Haptos_DeflatedContactBlock.hpp"
+#include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_DependentUnknowns.hpp"
 #include "Haptos_PanelJumps.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -295,4 +299,33 @@ TEUCHOS_UNIT_TEST(SparseLdl, SolvesAndDropsWhatDepends) {
   const Eigen::VectorXd consistent = singular * b, x = dropping.solve(consistent);
   TEST_EQUALITY(x[20], 0.0);
   TEST_ASSERT(largest(singular * x - consistent) < 1e-10 * largest(consistent));
+}
+
+// Hats of m nodes at n > m nodes of another division, but for round-off that a rough surface makes: n - m rows are nearly those of others, whatever comes first.
+TEUCHOS_UNIT_TEST(DependentUnknowns, WhateverTheOrder) {
+  const int n = 28, m = 22;
+  Dense C = Dense::Zero(n, m);
+  for (int i = 0; i < n; ++i) {
+    const double x = double(i) * (m - 1) / (n - 1);
+    for (int j = 0; j < m; ++j) C(i, j) = std::max(0.0, 1 - std::abs(x - j)) + 1e-7 * std::sin(1.0 + 3 * i + 5 * j) * (std::abs(x - j) < 2);
+  }
+  for (const int step : {1, 3, 5, 9, 11}) {
+    Dense turned = C;
+    for (int i = 0; i < n; ++i) turned.row(i) = C.row((i * step) % n);
+    const Dense A = turned * turned.transpose();
+    const std::vector<int> found = dependentUnknowns(Eigen::SparseMatrix<double>(A.sparseView()), 1e-6);
+    TEST_EQUALITY(int(found.size()), n - m);
+    std::vector<int> kept;
+    for (int i = 0; i < n; ++i)
+      if (!std::binary_search(found.begin(), found.end(), i)) kept.push_back(i);
+    TEST_COMPARE(SymmetricEigen(Dense(A(kept, kept))).values[0], >, 1e-3);
+  }
+}
+
+TEUCHOS_UNIT_TEST(DependentUnknowns, EmptyOnesDoNotCount) {
+  Dense A = Dense::Identity(5, 5);
+  A(2, 2) = 0;
+  TEST_ASSERT(dependentUnknowns(Eigen::SparseMatrix<double>(A.sparseView()), 1e-6).empty());
+  A(0, 1) = A(1, 0) = 1;
+  TEST_EQUALITY(dependentUnknowns(Eigen::SparseMatrix<double>(A.sparseView()), 1e-6).size(), 1u);
 }

@@ -8,7 +8,9 @@
 
 #include "FetiScene.hpp"
 #include "Haptos_ConstraintRows.hpp"
+#include "Haptos_CouplingGram.hpp"
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_Reductions.hpp"
 
 namespace {
 
@@ -85,6 +87,27 @@ void compareWithKernel(const Scene& scene, Teuchos::FancyOStream& out, bool& suc
   TEST_COMPARE(largest(denseOf(*found.contact) - contactPart(scene, expected, true)), <=, 1e-10 * largest(E));
 }
 
+// Each pair has a node of its own, which is held along y: along y both act on the third alone, and the second, with this weight, on a fourth.
+Scene sceneOfHeldNodes(double weight) {
+  SceneOptions options;
+  options.hold = [](int body, const Point& x) { return std::string(body == 1 && x[2] > 1 - 1e-9 && x[1] < 1e-9 ? "y" : ""); };
+  Scene scene = makeScene(options);
+  std::vector<std::int64_t> held, others;
+  for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) {
+    const Point& x = scene.mesh.coordinates[i];
+    if (x[2] > 1 - 1e-9) (x[1] < 1e-9 ? held : others).push_back(std::int64_t(i));
+  }
+  ContactInterface lists;
+  lists.name = "lists";
+  for (std::size_t k = 0; k < 2; ++k) {
+    lists.pairs.push_back({held[k], {{held[k], 0.5}, {others.front(), 0.5}}, {}, makeFrame({0, 0, -1}, {1, 0, 0}), 0.0, 0.5});
+    if (k == 1 && weight > 0) lists.pairs.back().secondary.push_back({others.back(), weight});
+  }
+  scene.interfaces.push_back(lists);
+  buildRows(scene);
+  return scene;
+}
+
 }  // namespace
 
 TEUCHOS_UNIT_TEST(DependentRows, NodesInThreeContacts) {
@@ -102,26 +125,34 @@ TEUCHOS_UNIT_TEST(DependentRows, RowsOfListsDependOnNoOthers) {
   compareWithKernel(makeScene({}), out, success);
 }
 
-// Each pair has a node of its own, which is held along y: along y both act on the third alone.
 TEUCHOS_UNIT_TEST(DependentRows, PairsWhoseOwnNodesAreHeld) {
-  SceneOptions options;
-  options.hold = [](int body, const Point& x) { return std::string(body == 1 && x[2] > 1 - 1e-9 && x[1] < 1e-9 ? "y" : ""); };
-  Scene scene = makeScene(options);
-  std::vector<std::int64_t> held, others;
-  for (std::size_t i = 0; i < scene.mesh.numNodes(); ++i) {
-    const Point& x = scene.mesh.coordinates[i];
-    if (x[2] > 1 - 1e-9) (x[1] < 1e-9 ? held : others).push_back(std::int64_t(i));
-  }
-  ContactInterface lists;
-  lists.name = "lists";
-  for (std::size_t k = 0; k < 2; ++k)
-    lists.pairs.push_back({held[k], {{held[k], 0.5}, {others.front(), 0.5}}, {}, makeFrame({0, 0, -1}, {1, 0, 0}), 0.0, 0.5});
-  scene.interfaces.push_back(lists);
-  buildRows(scene);
+  const Scene scene = sceneOfHeldNodes(0);
   Eigen::Index dimension = 0;
   projectorOntoKernel(scene, dimension);
   TEST_EQUALITY(dimension, 1);
   compareWithKernel(scene, out, success);
+}
+
+// Forces along z, |B^T z| = 1e-6 |z|, have next to no effect: the law decides about them as well, and the inverse of S makes nothing large of them.
+TEUCHOS_UNIT_TEST(DependentRows, NearlyDependentOnes) {
+  const auto made = [](double weight) {
+    const Feti feti = makeFeti(Tpetra::getDefaultComm(), sceneOfHeldNodes(weight));
+    Vector diagonal(feti.map());
+    diagonal.putScalar(2);
+    const DependentRows found = findDependentRows(feti.dealt.jump->multipliers(), diagonal);
+    return found.all.is_null() ? Dense() : denseOf(*found.all);
+  };
+  const Dense exact = made(0), nearly = made(1e-6);
+  TEST_ASSERT(exact.size() > 0 && nearly.rows() == exact.rows() && largest(nearly - exact) <= 1e-4 * largest(exact));
+  TEST_EQUALITY(made(0.1).size(), 0);
+  for (const double weight : {0.0, 1e-6, 1e-4}) {
+    const Feti feti = makeFeti(Tpetra::getDefaultComm(), sceneOfHeldNodes(weight));
+    const CouplingGram S(feti.dealt.jump->multipliers(), true);
+    const auto n = Eigen::Index(S.rows().size());
+    const Dense inverse = S.solve(Dense::Identity(n, largestOfAll(*Tpetra::getDefaultComm(), int(n))));  // as many columns on all ranks
+    const double mine = n > 0 ? inverse.cwiseAbs().maxCoeff() / S.rowDiagonal().maxCoeff() : 0.0;
+    TEST_COMPARE(largestOfAll(*Tpetra::getDefaultComm(), mine), <, 10.0);
+  }
 }
 
 // k is the mean over the rows of a group, weighed by what they take part.
