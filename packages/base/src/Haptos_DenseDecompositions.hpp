@@ -75,6 +75,7 @@ class PivotedCholesky {
   /// \brief X [rank x columns] with X^T X = B^T A^+ B, for B in the image of A.
   Eigen::MatrixXd solveHalf(const Eigen::MatrixXd& B) const;
   Eigen::Index rank() const { return Eigen::Index(pivots_.size()); }
+  const std::vector<int>& pivots() const { return pivots_; }  ///< [rank] rows of A, in their order
 
  private:
   Eigen::MatrixXd L_;        // [rank x rank]
