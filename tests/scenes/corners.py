@@ -18,8 +18,8 @@ try:
     import numpy as np
     import random_scenes
     from aspects import solve
-    from haptos_exodus import Block, ExodusMesh, SideSet, write_exodus
-    from random_scenes import BodyMesh
+    from haptos_exodus import Block, ExodusMesh, SideSet
+    from random_scenes import BodyMesh, Written
     from random_scenes import _array as array, _list as listed, _parameter as parameter
 except ImportError as missing:
     print(f"not run: {missing}")
@@ -31,18 +31,6 @@ KINDS = {"edge": ([[(0, 0, 0)]], ["bottom0", "left0"], []),
          "stack": ([[(0, 0, 0)], [(0, 0, 1)]], ["bottom0", "left0", "front0", "left1", "front1"], [("bottom1", "top0")]),
          "groove": ([[(0, 0, 0), (-1, 0, 0), (-1, 0, 1)], [(0, 0, 1)]], [], [("bottom3", "top0"), ("left3", "right2")])}
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
-
-
-class Written:
-    """What `aspects.solve` asks of a scene, by its `mesh` and `input`."""
-
-    def write(self, folder, name):
-        """Mesh and input; returns the input's path."""
-        folder = pathlib.Path(folder)
-        write_exodus(folder / f"{name}.exo", self.mesh())
-        path = folder / f"{name}.xml"
-        path.write_text(self.input(name))
-        return path
 
 
 class Corner(Written):

@@ -15,7 +15,7 @@ import numpy as np
 import random_scenes
 from corners import array, listed, parameter
 from haptos_exodus import Block, ExodusMesh, SideSet
-from random_scenes import BodyMesh
+from random_scenes import BodyMesh, Written
 
 
 def surface(rng, length):
@@ -28,7 +28,7 @@ def surface(rng, length):
     return lambda x, y: sum(h * np.cos(k * (np.cos(d) * x + np.sin(d) * y) + p) for h, k, d, p in zip(heights, numbers, directions, phases))
 
 
-class Rough(corners.Written):
+class Rough(Written):
     """One scene of a seed, as `aspects.solve` takes it."""
 
     def __init__(self, seed, index):

@@ -10,7 +10,6 @@
 
 #include "Haptos_CouplingCoefficients.hpp"
 #include "Haptos_DenseDecompositions.hpp"
-#include "Haptos_DependentGroups.hpp"
 #include "Haptos_DisjointSets.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Reductions.hpp"
@@ -101,15 +100,14 @@ struct CouplingGram::Held {
 };
 
 CouplingGram::CouplingGram(const MultiplierMap& multipliers, bool stiffnessScaling)
-    : multipliers_(multipliers), stiffnessScaling_(stiffnessScaling) {
+    : multipliers_(multipliers), stiffnessScaling_(stiffnessScaling), dependent_(findDependentGroups(multipliers)) {
   findRowsAndNodes();
   const auto groups = findLocalGroups();
-  const auto dependent = findDependentGroups(multipliers, Vector(multipliers.map()));
-  runOnAllRanks(*multipliers.map()->getComm(), [&] { invertGroups(groups, dependent); });
+  runOnAllRanks(*multipliers.map()->getComm(), [&] { invertGroups(groups); });
   const auto holders = findHolders(groups);
   isAnyHeld_ = anyOfAll(*multipliers.map()->getComm(), std::any_of(holders.begin(), holders.end(), [](int rank) { return rank >= 0; }));
   if (!isAnyHeld_) return;
-  holdFactors(holders, dependent);
+  holdFactors(holders);
   setHeldDiagonals();
 }
 
@@ -168,7 +166,7 @@ std::vector<GlobalOrdinal> CouplingGram::globalRows(const Group& group) const {
 }
 
 // Dense S of a group, and what of C its nodes with gluing rows have.
-void CouplingGram::invertGroups(const std::vector<Group>& groups, const std::vector<DependentGroup>& dependent) {
+void CouplingGram::invertGroups(const std::vector<Group>& groups) {
   const Eigen::Index n = Eigen::Index(rows_.size());
   rowDiagonal_ = Eigen::VectorXd::Zero(n);
   nodeDiagonal_ = Eigen::VectorXd::Zero(3 * Eigen::Index(nodes_.size()));
@@ -177,7 +175,7 @@ void CouplingGram::invertGroups(const std::vector<Group>& groups, const std::vec
     if (group.rows.empty() || group.rows.size() > kMostDense) continue;
     const auto columns = columnsOf(group.couplings, [&](const PairNode& node) { return weightOf(node); });
     const int rows = int(group.rows.size());
-    const Eigen::MatrixXd S = gramOf(columns, rows), dense = pseudoInverse(S + meanOnDependentRows(dependent, globalRows(group), S.diagonal()));
+    const Eigen::MatrixXd S = gramOf(columns, rows), dense = pseudoInverse(S + meanOnDependentRows(dependent_, globalRows(group), S.diagonal()));
     for (const auto& [unknown, column] : columns) {
       if (column.node->owner < 0) continue;
       const int place = 3 * positionOfNode(unknown.first) + unknown.second;
@@ -230,7 +228,7 @@ std::vector<int> CouplingGram::findHolders(const std::vector<Group>& groups) con
 }
 
 // All couplings of a group come to one rank, which factors S of it; values go there and back in every application.
-void CouplingGram::holdFactors(const std::vector<int>& holders, const std::vector<DependentGroup>& dependent) {
+void CouplingGram::holdFactors(const std::vector<int>& holders) {
   const auto& comm = *multipliers_.map()->getComm();
   std::vector<std::vector<Held::Item>> outgoing(std::size_t(comm.getSize()));
   for (std::size_t i = 0; i < holders.size(); ++i) {
@@ -249,7 +247,7 @@ void CouplingGram::holdFactors(const std::vector<int>& holders, const std::vecto
   }
   std::sort(held.nodes.begin(), held.nodes.end());
   held.nodes.erase(std::unique(held.nodes.begin(), held.nodes.end()), held.nodes.end());
-  runOnAllRanks(comm, [&] { factorHeld(held, dependent); });
+  runOnAllRanks(comm, [&] { factorHeld(held); });
   HolderTransfer::Ends ends = endsOfRows(holders, held);
   rowTransfer_ = HolderTransfer(ends, multipliers_.map()->getComm());
   addNodes(holders, held, ends);
@@ -257,7 +255,7 @@ void CouplingGram::holdFactors(const std::vector<int>& holders, const std::vecto
 }
 
 // Where a pair is turned, x_d = sum over rows axes[a][d] x_a.
-void CouplingGram::factorHeld(const Held& held, const std::vector<DependentGroup>& dependent) {
+void CouplingGram::factorHeld(const Held& held) {
   std::vector<Eigen::Triplet<double>> turn, coefficients, ofNodes;
   std::map<std::pair<std::int64_t, int>, int> columns;
   std::vector<double> weights;
@@ -290,14 +288,14 @@ void CouplingGram::factorHeld(const Held& held, const std::vector<DependentGroup
   Matrix C(unknowns, Eigen::Index(columns.size()));
   C.setFromTriplets(coefficients.begin(), coefficients.end());
   heldGram_ = C * Eigen::Map<const Eigen::VectorXd>(weights.data(), Eigen::Index(weights.size())).asDiagonal() * Matrix(C.transpose());
-  factor_ = ComponentLdl(dependent.empty() ? heldGram_ : Matrix(heldGram_ + onHeldDependentRows(held, dependent)));
+  factor_ = ComponentLdl(dependent_.empty() ? heldGram_ : Matrix(heldGram_ + onHeldDependentRows(held)));
 }
 
 // In global axes; what supports hold has nothing there, not the round-off of turning.
-CouplingGram::Matrix CouplingGram::onHeldDependentRows(const Held& held, const std::vector<DependentGroup>& dependent) const {
+CouplingGram::Matrix CouplingGram::onHeldDependentRows(const Held& held) const {
   const Matrix S = turn_.transpose() * heldGram_ * turn_;
   const Eigen::VectorXd isMet = (heldGram_.diagonal().array() > 0).cast<double>();
-  const Matrix turned = turn_ * meanOnDependentRows(dependent, held.rows, S.diagonal()) * Matrix(turn_.transpose());
+  const Matrix turned = turn_ * meanOnDependentRows(dependent_, held.rows, S.diagonal()) * Matrix(turn_.transpose());
   return Matrix(isMet.asDiagonal() * turned * isMet.asDiagonal()).pruned();
 }
 

@@ -5,12 +5,11 @@
 #include <vector>
 
 #include "Haptos_ComponentLdl.hpp"
+#include "Haptos_DependentGroups.hpp"
 #include "Haptos_HolderTransfer.hpp"
 #include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
-
-struct DependentGroup;
 
 /// \brief S = C W C^T between the rows of pairs, contact and tied, and its inverse: B W B^T once gluing rows are eliminated.
 ///
@@ -48,6 +47,7 @@ class CouplingGram {
   const Eigen::VectorXd& nodeDiagonal() const { return nodeDiagonal_; }
   /// @}
 
+  const std::vector<DependentGroup>& dependent() const { return dependent_; }  ///< as `findDependentGroups` found them
   bool hasFactors() const { return isAnyHeld_; }  ///< whether some rank solves with a sparse factor
   bool sharesFactor() const { return factor_.isShared(); }  ///< whether this rank's factor is that of each component of its pairs
   int numDropped() const { return factor_.numDropped(); }  ///< unknowns that depend on others, of this rank's factor
@@ -60,12 +60,12 @@ class CouplingGram {
   void findRowsAndNodes();
   std::vector<Group> findLocalGroups() const;
   std::vector<GlobalOrdinal> globalRows(const Group& group) const;
-  void invertGroups(const std::vector<Group>& groups, const std::vector<DependentGroup>& dependent);
+  void invertGroups(const std::vector<Group>& groups);
   void addDiagonals(const Coupling& coupling);
   std::vector<int> findHolders(const std::vector<Group>& groups) const;
-  void holdFactors(const std::vector<int>& holders, const std::vector<DependentGroup>& dependent);
-  Matrix onHeldDependentRows(const Held& held, const std::vector<DependentGroup>& dependent) const;
-  void factorHeld(const Held& held, const std::vector<DependentGroup>& dependent);
+  void holdFactors(const std::vector<int>& holders);
+  Matrix onHeldDependentRows(const Held& held) const;
+  void factorHeld(const Held& held);
   HolderTransfer::Ends endsOfRows(const std::vector<int>& holders, const Held& held) const;
   void addNodes(const std::vector<int>& holders, const Held& held, HolderTransfer::Ends& ends) const;
   void setHeldDiagonals();
@@ -75,6 +75,7 @@ class CouplingGram {
 
   const MultiplierMap& multipliers_;
   bool stiffnessScaling_;
+  std::vector<DependentGroup> dependent_;
   std::vector<int> rows_, nodes_;
   Eigen::SparseMatrix<double, Eigen::RowMajor> gram_, inverse_, C_;  // of the groups that are inverted
   bool isAnyHeld_ = false;                                    // on any rank

@@ -69,7 +69,6 @@ std::vector<std::vector<HeldCoupling>> parted(std::vector<HeldCoupling> items) {
 
 struct Rows {
   std::vector<GlobalOrdinal> global;
-  std::vector<double> values;
   std::vector<char> isContact;
   Sparse C;  // [rows x components of nodes]
 };
@@ -86,7 +85,6 @@ Rows rowsOfCouplings(const std::vector<HeldCoupling>& items) {
           entries.emplace_back(int(rows.global.size()), columns.emplace(std::pair(node.node, d), int(columns.size())).first->second, value);
       });
       rows.global.push_back(item.rows[a]);
-      rows.values.push_back(item.values[a]);
       rows.isContact.push_back(item.isContact);
     }
   rows.C.resize(Eigen::Index(rows.global.size()), Eigen::Index(columns.size()));
@@ -145,7 +143,6 @@ DependentGroup groupOf(const Rows& rows, const Sparse& Z, const std::vector<int>
   for (auto& [row, place] : places) {
     place = int(group.rows.size());
     group.rows.push_back(rows.global[std::size_t(row)]);
-    group.values.push_back(rows.values[std::size_t(row)]);
     group.isContact.push_back(rows.isContact[std::size_t(row)]);
   }
   Eigen::MatrixXd all = Eigen::MatrixXd::Zero(Eigen::Index(places.size()), Eigen::Index(columns.size()));
@@ -165,8 +162,8 @@ double DependentGroup::mean(const std::vector<double>& ofRows) const {
   return sum / dimension;
 }
 
-std::vector<DependentGroup> findDependentGroups(const MultiplierMap& multipliers, const Vector& values) {
-  const std::vector<HeldCoupling> items = heldCouplings(multipliers, values);
+std::vector<DependentGroup> findDependentGroups(const MultiplierMap& multipliers) {
+  const std::vector<HeldCoupling> items = heldCouplings(multipliers, Vector(multipliers.map()));
   std::vector<DependentGroup> groups;
   runOnAllRanks(*multipliers.map()->getComm(), [&] {
     for (const auto& part : parted(withoutIndependent(items))) {

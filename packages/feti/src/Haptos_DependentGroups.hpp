@@ -14,7 +14,6 @@ namespace Haptos {
 /// there may be more than it has nodes.  Decision: 057-nodes-in-several-contacts.
 struct DependentGroup {
   std::vector<GlobalOrdinal> rows;
-  std::vector<double> values;   ///< of these rows, as given
   std::vector<char> isContact;  ///< of these rows
   Eigen::MatrixXd Q;            ///< [rows]^2
   int dimension;                ///< rank of Q
@@ -23,8 +22,8 @@ struct DependentGroup {
   double mean(const std::vector<double>& ofRows) const;
 };
 
-/// \brief Those whose couplings `heldCouplings` brings to this rank.  Groups do not depend on the ranks.  \param values [owned rows].  Collective.
-std::vector<DependentGroup> findDependentGroups(const MultiplierMap& multipliers, const Vector& values);
+/// \brief Those whose couplings `heldCouplings` brings to this rank.  Groups do not depend on the ranks.  Collective.
+std::vector<DependentGroup> findDependentGroups(const MultiplierMap& multipliers);
 
 /// \brief sum s_i Q_i between these rows, [rows]^2, of groups that are among them: s_i the mean of a matrix' diagonal over rows of Q_i.
 /// A matrix that has nothing along Q_i, or next to nothing, of which an inverse would make much, is regular with it.  \param rows global.

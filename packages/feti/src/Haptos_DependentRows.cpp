@@ -2,6 +2,7 @@
 #include "Haptos_DependentRows.hpp"
 
 #include <Tpetra_CrsMatrix.hpp>
+#include <Tpetra_Import.hpp>
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
@@ -24,10 +25,25 @@ struct Entry {
   bool isContactRow, isContactColumn;
 };
 
-std::vector<Entry> entriesOfE(const std::vector<DependentGroup>& groups) {
+// Of the rows of these groups, one after the other, which may be other ranks'.  Collective.
+std::vector<double> valuesOn(const std::vector<DependentGroup>& groups, const Vector& values) {
+  std::vector<GlobalOrdinal> rows;
+  for (const DependentGroup& group : groups) rows.insert(rows.end(), group.rows.begin(), group.rows.end());
+  const auto none = Teuchos::OrdinalTraits<Tpetra::global_size_t>::invalid();
+  const auto map = Teuchos::rcp(new Map(none, rows, 0, values.getMap()->getComm()));
+  Vector found(map);
+  found.doImport(values, Tpetra::Import<>(values.getMap(), map), Tpetra::INSERT);
+  const auto data = found.getData(0);
+  return {data.begin(), data.end()};
+}
+
+std::vector<Entry> entriesOfE(const std::vector<DependentGroup>& groups, const std::vector<double>& diagonal) {
   std::vector<Entry> entries;
+  auto next = diagonal.begin();
   for (const DependentGroup& group : groups) {
-    const double k = kStiffness * group.mean(group.values);
+    const auto first = next;
+    next += std::ptrdiff_t(group.rows.size());
+    const double k = kStiffness * group.mean({first, next});
     for (std::size_t i = 0; i < group.rows.size(); ++i)
       for (std::size_t j = 0; j < group.rows.size(); ++j)
         if (const double q = group.Q(Eigen::Index(i), Eigen::Index(j)); std::abs(q) > kNothing)
@@ -56,11 +72,11 @@ RCP<const CrsMatrix> matrixOf(const std::vector<Entry>& entries, std::size_t per
 
 }  // namespace
 
-DependentRows findDependentRows(const MultiplierMap& multipliers, const Vector& diagonal) {
+DependentRows makeDependentRows(const MultiplierMap& multipliers, const std::vector<DependentGroup>& groups, const Vector& diagonal) {
   const auto& comm = *multipliers.map()->getComm();
-  const std::vector<Entry> entries = entriesOfE(findDependentGroups(multipliers, diagonal));
+  if (!anyOfAll(comm, !groups.empty())) return {};
+  const std::vector<Entry> entries = entriesOfE(groups, valuesOn(groups, diagonal));
   const std::size_t perRow = mostPerRow(comm, entries);
-  if (perRow == 0) return {};
   const auto &all = multipliers.map(), &contact = multipliers.contactMap();
   return {matrixOf(entries, perRow, all, all, [](const Entry&) { return true; }),
           matrixOf(entries, perRow, contact, all, [](const Entry& entry) { return entry.isContactRow; }),

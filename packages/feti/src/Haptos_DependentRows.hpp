@@ -1,8 +1,12 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #pragma once
+#include <vector>
+
 #include "Haptos_MultiplierMap.hpp"
 
 namespace Haptos {
+
+struct DependentGroup;
 
 /// \brief E = sum k_i Q_i, Q_i the projectors onto forces of pairs' rows that do nothing to displacements, B^T Q_i = 0, k_i [force/length].
 ///
@@ -15,7 +19,7 @@ struct DependentRows {
   RCP<const CrsMatrix> contact;      ///< between those
 };
 
-/// \param diagonal of M, [owned rows].  Collective.
-DependentRows findDependentRows(const MultiplierMap& multipliers, const Vector& diagonal);
+/// \param groups as `findDependentGroups` found them  \param diagonal of M, [owned rows].  Collective.
+DependentRows makeDependentRows(const MultiplierMap& multipliers, const std::vector<DependentGroup>& groups, const Vector& diagonal);
 
 }  // namespace Haptos

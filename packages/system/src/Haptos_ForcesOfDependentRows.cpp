@@ -8,7 +8,9 @@
 #include <memory>
 
 #include "Haptos_DependentRows.hpp"
+#include "Haptos_DualPreconditioner.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_RowGram.hpp"
 
 namespace Haptos {
 namespace {
@@ -97,8 +99,8 @@ void addTo(ContactOperators::Deflated& deflated, const DependentRows& E) {
 
 }  // namespace
 
-void addForcesOfDependentRows(const MultiplierMap& multipliers, ContactOperators& operators) {
-  const DependentRows E = findDependentRows(multipliers, *operators.diagonalOfM);
+void addForcesOfDependentRows(const DualPreconditioner& M, ContactOperators& operators) {
+  const DependentRows E = makeDependentRows(M.jump().multipliers(), M.gram().pairs().dependent(), *operators.diagonalOfM);
   if (E.all.is_null()) return;
   operators.M = sum(operators.M, E.all);
   operators.contactM = sum(operators.contactM, E.contact);

@@ -4,9 +4,9 @@
 
 namespace Haptos {
 
-class MultiplierMap;
+class DualPreconditioner;
 
 /// \brief M + E in the place of M in all that Newton's method has of it, E that of `DependentRows`; nothing changes where there is none.  Collective.
-void addForcesOfDependentRows(const MultiplierMap& multipliers, ContactOperators& operators);
+void addForcesOfDependentRows(const DualPreconditioner& M, ContactOperators& operators);
 
 }  // namespace Haptos

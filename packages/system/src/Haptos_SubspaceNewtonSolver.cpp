@@ -49,7 +49,7 @@ ContactOperators contactOperators(const FetiSystem& system, decltype(ContactOper
   const auto& kinds = system.jump().multipliers().kinds();
   for (std::size_t row = 0; row < kinds.size(); ++row)
     if (isEquality(kinds[row])) o.gluingRows.push_back(int(row));
-  addForcesOfDependentRows(system.jump().multipliers(), o);
+  addForcesOfDependentRows(*system.preconditioner(), o);
   return o;
 }
 

@@ -27,8 +27,20 @@ class BodyMesh:
         return f"{self.shape} {'~' if self.is_free else ''}{'x'.join(map(str, self.elements))}"
 
 
+class Written:
+    """A scene that has a `mesh`, and an `input` by the name of its files."""
+
+    def write(self, folder, name):
+        """Mesh and input; returns the input's path."""
+        folder = pathlib.Path(folder)
+        write_exodus(folder / f"{name}.exo", self.mesh())
+        path = folder / f"{name}.xml"
+        path.write_text(self.input(name))
+        return path
+
+
 @dataclasses.dataclass
-class Scene:
+class Scene(Written):
     shape: str
     size: tuple            # of each body
     meshes: list           # of each body, from below
@@ -57,8 +69,11 @@ class Scene:
         both = [mesh for mesh in self.meshes[max(0, body - 1):body + 1]]
         return any(len(nodes_in_middles(mesh.shape)) > CORNERS[mesh.shape] for mesh in both) or (body > 0 and both[0] != both[1])
 
-    def write(self, folder, name):
-        return write(self, folder, name)
+    def mesh(self):
+        return mesh_of(self)
+
+    def input(self, name):
+        return _input(self, name)
 
     def describe(self):
         nu = f"nu {max(self.poisson):.5g}, " if max(self.poisson) > 0.45 else ""
@@ -173,15 +188,6 @@ def _sides_at(x, connectivity, shape, axis, value):
         elements.append(on)
         numbers.append(np.full(len(on), side))
     return np.concatenate(elements), np.concatenate(numbers)
-
-
-def write(scene, folder, name):
-    """Mesh and input; returns the input's path."""
-    folder = pathlib.Path(folder)
-    write_exodus(folder / f"{name}.exo", mesh_of(scene))
-    path = folder / f"{name}.xml"
-    path.write_text(_input(scene, name))
-    return path
 
 
 def _parameter(name, kind, value):

@@ -74,7 +74,7 @@ def run(arguments, path, ranks):
 def examine(arguments, index, folder):
     """One scene on all ranks: a row of results."""
     scene = drawing(arguments.families)(arguments.seed, index)
-    path = random_scenes.write(scene, folder, f"scene{index}")
+    path = scene.write(folder, f"scene{index}")
     row = {"index": index, "family": scene.family, "scene": scene.describe(), "F": [], "status": [], "why": [], "errors": {}, "pairs": 0,
            "seconds": 0.0, **dict.fromkeys(("rounding", "solves", "tied_F", "tied_seconds", "tied_solves"), "")}
     for ranks in arguments.ranks:
@@ -104,7 +104,7 @@ def examine(arguments, index, folder):
 
 def tied(arguments, scene, folder, name):
     """What the same scene costs with its surfaces bonded; nothing where that is no problem of its own."""
-    status, summary = run(arguments, random_scenes.write(dataclasses.replace(scene, law="Tied"), folder, name), arguments.ranks[0])
+    status, summary = run(arguments, dataclasses.replace(scene, law="Tied").write(folder, name), arguments.ranks[0])
     if status != 0:
         return {}
     return {"tied_F": summary["solver"]["hessian_multiplications"], "tied_seconds": summary["solve_seconds"],
