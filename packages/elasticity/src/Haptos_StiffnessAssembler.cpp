@@ -5,80 +5,14 @@
 #include <algorithm>
 #include <limits>
 
+#include "Haptos_ElementShape.hpp"
 #include "Haptos_InputCheck.hpp"
+#include "Haptos_NodeNeighbours.hpp"
 
 namespace Haptos {
 namespace {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
-
-// Lists of indices, one after the other: list i is items[offsets[i]] .. items[offsets[i + 1] - 1].
-struct IndexLists {
-  std::vector<std::int64_t> offsets;
-  std::vector<int> items;
-
-  const int* begin(int list) const { return items.data() + offsets[std::size_t(list)]; }
-  const int* end(int list) const { return items.data() + offsets[std::size_t(list) + 1]; }
-  int size(int list) const { return int(end(list) - begin(list)); }
-};
-
-struct ElementReference {
-  const int* nodes;
-  int numNodes;
-};
-
-// Groups may have different shapes; here only their nodes count.
-std::vector<ElementReference> listElements(const std::vector<ElementGroup>& groups) {
-  std::vector<ElementReference> elements;
-  for (const auto& group : groups)
-    for (int e = 0; e < group.numElements(); ++e)
-      elements.push_back({group.nodes(e), nodesPerElement(group.topology)});
-  return elements;
-}
-
-// By counting: how many each node has, where its list begins, then the elements in their order.
-IndexLists elementsOfNodes(int numNodes, const std::vector<ElementReference>& elements) {
-  IndexLists lists;
-  lists.offsets.assign(std::size_t(numNodes) + 1, 0);
-  for (const auto& element : elements)
-    for (int a = 0; a < element.numNodes; ++a) {
-      TEUCHOS_ASSERT(element.nodes[a] >= 0 && element.nodes[a] < numNodes);
-      ++lists.offsets[std::size_t(element.nodes[a]) + 1];
-    }
-  for (std::size_t i = 0; i < std::size_t(numNodes); ++i) lists.offsets[i + 1] += lists.offsets[i];
-  // The second pass fills what the first counted; `next` is where each list goes on.
-  lists.items.resize(std::size_t(lists.offsets.back()));
-  auto next = lists.offsets;
-  for (std::size_t e = 0; e < elements.size(); ++e)
-    for (int a = 0; a < elements[e].numNodes; ++a)
-      lists.items[std::size_t(next[std::size_t(elements[e].nodes[a])]++)] = int(e);
-  return lists;
-}
-
-// Nodes that share an element with a node (itself included), ascending.
-IndexLists nodeNeighbours(int numNodes, const std::vector<ElementGroup>& groups) {
-  const auto elements = listElements(groups);
-  const auto elementsOf = elementsOfNodes(numNodes, elements);
-  IndexLists lists;
-  lists.offsets.reserve(std::size_t(numNodes) + 1);
-  lists.offsets.push_back(0);
-  // Who saw a node last tells whether it is in the list already: no set, no clearing.
-  std::vector<int> seenBy(std::size_t(numNodes), -1);
-  for (int node = 0; node < numNodes; ++node) {
-    for (const int* e = elementsOf.begin(node); e != elementsOf.end(node); ++e) {
-      const auto& element = elements[std::size_t(*e)];
-      for (int a = 0; a < element.numNodes; ++a) {
-        int& seen = seenBy[std::size_t(element.nodes[a])];
-        if (seen == node) continue;
-        seen = node;
-        lists.items.push_back(element.nodes[a]);
-      }
-    }
-    std::sort(lists.items.begin() + lists.offsets.back(), lists.items.end());
-    lists.offsets.push_back(std::int64_t(lists.items.size()));
-  }
-  return lists;
-}
 
 // K = 0 with the pattern of full 3 x 3 blocks.
 SparseMatrix blockPattern(int numNodes, const IndexLists& neighbours) {
@@ -181,13 +115,31 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
   }
 }
 
+namespace {
+
+// The mean square of its corners' distances is 3 times that of all its points in a box, 5 times in a tetrahedron.
+void addElement(const Coordinates& coordinates, const ElementGroup& group, int element, double volume, PartVolume& part) {
+  const int corners = elementShape(group.topology).numCorners;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  const auto corner = [&](int a) { return Eigen::Map<const Eigen::Vector3d>(coordinates[std::size_t(group.nodes(element)[a])].data()); };
+  for (int a = 0; a < corners; ++a) mean += corner(a) / corners;
+  for (int a = 0; a < corners; ++a) squares += (corner(a) - mean) * (corner(a) - mean).transpose() / corners;
+  part.volume += volume;
+  part.first += volume * mean;
+  part.second += volume * (mean * mean.transpose() + squares / (corners == 4 ? 5 : 3));
+}
+
+}  // namespace
+
 std::vector<double> nodalStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
-                                   const std::vector<double>& youngsModulus) {
+                                   const std::vector<double>& youngsModulus, PartVolume* volume) {
   std::vector<double> weights(coordinates.size(), 0.0);
   for (const auto& group : groups)
     withShape(group.topology, [&](auto shape) {
       for (int e = 0; e < group.numElements(); ++e) {
         const auto gradients = elementGradients<decltype(shape)>(coordinates, group, e);
+        if (volume) addElement(coordinates, group, e, gradients.volumes.sum(), *volume);
         const Eigen::VectorXd squares = gradients.at.cwiseAbs2() * gradients.volumes * youngsModulus[std::size_t(group.material)];
         for (int a = 0; a < gradients.numNodes(); ++a) weights[std::size_t(group.nodes(e)[a])] += squares.segment<3>(3 * a).sum();
       }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "Haptos_LinearElasticity.hpp"
+#include "Haptos_PartShape.hpp"
 
 namespace Haptos {
 
@@ -33,8 +34,9 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
 /// has at a node but for Poisson's ratio and directions.
 ///
 /// \param youngsModulus [materials]
+/// \param volume if given, that of all elements is added; moments as of boxes and tetrahedra with these corners
 /// \throws InputError for a bad element (see `elementGradients`).
 std::vector<double> nodalStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
-                                   const std::vector<double>& youngsModulus);
+                                   const std::vector<double>& youngsModulus, PartVolume* volume = nullptr);
 
 }  // namespace Haptos

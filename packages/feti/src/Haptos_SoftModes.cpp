@@ -1,32 +1,10 @@
 // SPDX-License-Identifier: BSD-3-Clause
 #include "Haptos_SoftModes.hpp"
 
-#include <cmath>
-#include <limits>
-
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_DenseSymmetric.hpp"
 
 namespace Haptos {
-
-// By the eigenvalues of sum d d^T, d from the mean: squares of the extents along the principal axes.
-double aspectOf(const Coordinates& coordinates) {
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  for (const auto& x : coordinates) mean += Eigen::Vector3d(x.data());
-  mean /= double(coordinates.size());
-  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
-  for (const auto& x : coordinates) {
-    const Eigen::Vector3d d = Eigen::Vector3d(x.data()) - mean;
-    spread += d * d.transpose();
-  }
-  const Eigen::Vector3d squares = SymmetricEigen3(spread).values;
-  return squares[0] > 0 ? std::sqrt(squares[2] / squares[0]) : std::numeric_limits<double>::infinity();
-}
-
-bool isSlender(double aspect) {
-  constexpr double kRatio = 10;  // ordinary meshes are to pay nothing (decisions/016)
-  return aspect > kRatio;
-}
 
 namespace {
 

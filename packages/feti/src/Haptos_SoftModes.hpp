@@ -2,15 +2,7 @@
 #pragma once
 #include <Eigen/Core>
 
-#include "Haptos_Vec3.hpp"
-
 namespace Haptos {
-
-/// \brief Ratio of the extents along the principal axes, longest over shortest; infinite where all nodes lie in a plane.
-double aspectOf(const Coordinates& coordinates);
-
-/// \brief Whether a subdomain of this `aspectOf` is a needle or a plate: its nodes spread 10 times as far one way as another.
-bool isSlender(double aspect);
 
 /// \brief A slender subdomain's S in a form that keeps the digits of soft motions, and those motions.
 ///

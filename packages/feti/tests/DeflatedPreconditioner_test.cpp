@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "Haptos_LocalSystems.hpp"
+#include "Haptos_PartShape.hpp"
 #include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -256,14 +257,3 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, PolynomialsOfFlatSubdomains) {
   TEST_COMPARE(cured[1], >=, 0.99);
 }
 
-TEUCHOS_UNIT_TEST(PolynomialMotions, AspectsOfBoxesAndPlanes) {
-  Coordinates box, plane;
-  for (int i = 0; i <= 6; ++i)
-    for (int j = 0; j <= 6; ++j)
-      for (int k = 0; k <= 6; ++k) {
-        box.push_back({0.5 * i, 0.1 * k, 0.3 * j});
-        plane.push_back({0.5 * i, 0.0, 0.3 * j});
-      }
-  TEST_FLOATING_EQUALITY(aspectOf(box), 5.0, 1e-10);
-  TEST_COMPARE(aspectOf(plane), >, 1e7);
-}

@@ -6,8 +6,10 @@
 #include <numeric>
 #include <utility>
 
+#include "Haptos_BodyShapes.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalGather.hpp"
+#include "Haptos_NodeNeighbours.hpp"
 #include "Haptos_PairLaws.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -80,14 +82,29 @@ void deal(const OwnElements& own, const OrderedPartition& parts, const std::vect
   model.subdomains = dealSubdomains(*model.comm, own, partition, rankOf, materialOfBlock);
 }
 
-RowSources rowSources(const DistributedModel& model, const std::vector<ContactInterface>& interfaces) {
+// What subdomains hold their nodes with, and how thin they are.
+std::vector<SubdomainNodes> weighNodes(DistributedModel& model) {
   std::vector<double> youngsModulus;
   for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
-  RowSources sources;
+  std::vector<SubdomainNodes> result;
+  std::vector<int> bodies;
   runOnAllRanks(*model.comm, [&] {
-    for (const auto& sub : model.subdomains)
-      sources.subdomains.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus)});
+    for (const auto& sub : model.subdomains) {
+      PartVolume volume;
+      result.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus, &volume)});
+      model.shapes.push_back(shapeOfPart(sub.coordinates, nodeNeighbours(sub.numNodes(), sub.groups), volume));
+      bodies.push_back(sub.body);
+    }
   });
+  averageNodeStiffness(*model.comm, bodies, model.shapes);
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (double& value : result[i].stiffness) value *= model.shapes[i].nodeStiffness;
+  return result;
+}
+
+RowSources rowSources(DistributedModel& model, const std::vector<ContactInterface>& interfaces) {
+  RowSources sources;
+  sources.subdomains = weighNodes(model);
   sources.prescribed = model.prescribed;
   sources.pairs = placedPairs(interfaces);
   for (std::size_t k = 0; k < model.data.friction.size(); ++k)

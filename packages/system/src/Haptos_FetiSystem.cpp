@@ -14,10 +14,10 @@
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PairLaws.hpp"
 #include "Haptos_ParameterValue.hpp"
+#include "Haptos_PartShape.hpp"
 #include "Haptos_PolynomialMotions.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_RunClock.hpp"
-#include "Haptos_SoftModes.hpp"
 #include "Haptos_SurfaceOperators.hpp"
 
 namespace Haptos {
@@ -214,7 +214,7 @@ void FetiSystem::findSlender() {
   Eigen::VectorXd flatAndAll = Eigen::Vector2d(0.0, double(systems_->size()));
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i) {
-    const double aspect = aspectOf(model_.stiffness->coordinates(i));
+    const double aspect = model_.shapes[std::size_t(i)].aspect;
     slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedMotions::kLargestSpectrum);
     flatAndAll[0] += aspect > kFlat;
   }

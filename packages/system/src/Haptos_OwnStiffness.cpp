@@ -9,6 +9,7 @@
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
+#include "Haptos_IndexLists.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
@@ -47,6 +48,20 @@ std::vector<int> startsInPlace(const CrsMatrix& K) {
   for (std::size_t row = 0; row + 1 < starts.size(); ++row)
     if (!std::is_sorted(columns + starts[row], columns + starts[row + 1])) return {};
   return starts;
+}
+
+// Nodes that K couples, ascending as its rows are.
+IndexLists nodeNeighbours(const SparseRef& K) {
+  IndexLists lists;
+  lists.offsets.push_back(0);
+  for (Eigen::Index node = 0; node < K.cols() / 3; ++node) {
+    for (SparseRef::InnerIterator entry(K, 3 * node); entry; ++entry) {
+      const int other = int(entry.row()) / 3;
+      if (std::int64_t(lists.items.size()) == lists.offsets.back() || lists.items.back() != other) lists.items.push_back(other);
+    }
+    lists.offsets.push_back(std::int64_t(lists.items.size()));
+  }
+  return lists;
 }
 
 [[noreturn]] void refuse(const Part& part, const std::string& text) { throw InputError("The stiffness of " + part.name + " " + text); }
@@ -183,6 +198,7 @@ OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
 void OwnStiffness::look(int i, const Eigen::Ref<const SparseMatrix>& K) {
   requireSymmetry(part(i), K);
   kernels_.push_back(kernelOf(part(i), K));
+  shapes_.push_back(shapeOfPart(coordinates(i), nodeNeighbours(K)));
 }
 
 // K is symmetric: its rows as they come are its columns, where their entries are in order.  Otherwise a transposition brings them there.

@@ -14,6 +14,7 @@
 #include <limits>
 #include <set>
 
+#include "Haptos_BodyShapes.hpp"
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
@@ -150,7 +151,19 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   model.gather = gather_;
   model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
   model.multipliers = makeRows();
+  model.shapes = shapes_;
   return model;
+}
+
+std::vector<PartShape> SystemInput::shapesOfParts() const {
+  std::vector<PartShape> result;
+  std::vector<int> bodies;
+  for (int i = 0; i < stiffness_->size(); ++i) {
+    result.push_back(stiffness_->shape(i));
+    bodies.push_back(dealt_[std::size_t(i)].body);
+  }
+  averageNodeStiffness(*comm_, bodies, result);
+  return result;
 }
 
 // Again for every change of values: kernels and nodal stiffnesses belong to the values.
@@ -331,9 +344,12 @@ std::vector<PlacedPair> SystemInput::placePairs(double size) {
 // From what is there now: rows are made anew after any change of pairs or of what is prescribed where.
 RCP<const MultiplierMap> SystemInput::makeRows() {
   RowSources sources;
-  for (std::size_t i = 0; i < dealt_.size(); ++i)
+  shapes_ = shapesOfParts();
+  for (std::size_t i = 0; i < dealt_.size(); ++i) {
     // Nodal stiffnesses weigh the copies of a node in contact rows, which therefore change with K.
     sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
+    for (double& value : sources.subdomains.back().stiffness) value *= shapes_[i].nodeStiffness;
+  }
   const double size = this->size();
   sources.pairs = placePairs(size);
   sources.prescribed = collectPrescribed();
