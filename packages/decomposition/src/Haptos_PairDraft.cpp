@@ -80,6 +80,13 @@ void turnAxes(const NodeDirectory& directory, bool isIsotropic, PairDraft& draft
   if (isDriven && isAxis && isIsotropic) turn({std::sqrt(0.5), std::sqrt(0.5), false}, pair);
 }
 
+// What rows leave out of their axes is nowhere: a multiplier that is turned to global axes and back would return to an empty row by it.
+void dropRoundOff(LocalFrame& frame) {
+  for (auto* axis : {&frame.normal, &frame.t1, &frame.t2})
+    for (double& value : *axis)
+      if (std::abs(value) < PairDraft::kRoundOff) value = 0;
+}
+
 }  // namespace
 
 // c of a row is its gap minus what prescribed displacements contribute to the jump.
@@ -88,6 +95,7 @@ void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, Pa
   const auto& F = placed.pair.coefficients;
   if (interface.frictional && !interface.tied && !placed.pair.isPinned[1] && !placed.pair.isPinned[2])
     turnAxes(directory, F ? (*F)[0] == (*F)[1] : interface.isIsotropic, draft);
+  dropRoundOff(draft.placed.pair.frame);
   const LocalFrame& frame = placed.pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
   if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};

@@ -141,6 +141,15 @@ bool SubspaceNewtonIter::isSlow() const {
   return n * std::log(measures_.front()) > options_.slowSteps * std::log(measures_.front() / measures_.back());
 }
 
+// The residual falls, and what is accepted does not feel it: pairs that nearly depend on each other have been added up in large numbers, and round-off has
+// taken the balance of forces, or the jumps, off those of the multipliers.
+bool SubspaceNewtonIter::isMeasureDeaf() const {
+  const std::size_t n = measures_.size(), steps = std::size_t(options_.deafSteps);
+  if (n <= renewedAt_ + steps || window_.size() <= steps) return false;
+  const double before = measures_[n - 1 - steps];
+  return window_.back() < options_.deafFalls * window_[window_.size() - 1 - steps] && std::abs(measures_.back() - before) < options_.deafChange * before;
+}
+
 bool SubspaceNewtonIter::hasMorePenalties() const { return penaltyTried_ + 1 < int(options_.penalties.size()); }
 
 void SubspaceNewtonIter::takePenalty(int tried, const NewtonState& state) {
@@ -189,6 +198,7 @@ void SubspaceNewtonIter::begin(const std::vector<PairLaw>& pairs, const NewtonSt
   r_ = baseR_ * options_.penalties[0];
   window_.clear();
   measures_.clear();
+  renewedAt_ = 0;
   linearize(state);
   bestNorm_ = halved_ = std::numeric_limits<double>::infinity();
   halvedAt_ = 0;
@@ -254,6 +264,11 @@ NewtonStop SubspaceNewtonIter::iterate(const std::vector<PairLaw>& pairs, Newton
     if (isStuck(limits)) {
       stop = directions_.mayCondenseAtAnyPrice() ? NewtonStop::Plateau : NewtonStop::Stalled;
       break;
+    }
+    if (limits.renew && isMeasureDeaf()) {
+      limits.renew();
+      linearize(state);
+      renewedAt_ = measures_.size();
     }
     if (isPoor(options_.windowFactor)) leavePlateau(state);
     advance(state, limits, needsDirection);

@@ -25,6 +25,7 @@ struct NewtonLimits {
   /// Replaces `tolerance` where it is set.
   std::function<double(const Eigen::VectorXd&, const Eigen::VectorXd&, double)> measure;
   std::function<bool()> isLongWay;  ///< asked after it, the same on all ranks; not set: never
+  std::function<void()> renew;      ///< brings the state into balance and makes its jumps anew, by an F; not set: nothing does
 };
 
 /// \brief Nonlinear subspace Newton: one F and one M a step, everything recycled.
@@ -74,6 +75,7 @@ class SubspaceNewtonIter {
   void chooseMode(double before);
   bool isNearlyThere(const NewtonLimits& limits) const;
   bool isSlow() const;
+  bool isMeasureDeaf() const;
   bool hasMorePenalties() const;
   bool isPoor(double factor) const;  ///< steps without much progress
   void leavePlateau(const NewtonState& state);
@@ -93,6 +95,7 @@ class SubspaceNewtonIter {
   NewtonState origin_;
   Eigen::VectorXd step_;  // coefficients of a whole step that the last direction was made for; empty if there is none
   std::vector<double> measures_;  // of this level, at every F
+  std::size_t renewedAt_ = 0;     // how many there were
   double norm_ = 0, bestNorm_ = 0, halved_ = 0, roundNorm_ = 0;
   long firstApplication_ = 0, halvedAt_ = 0;
   bool linear_ = false, idle_ = false, isRoundForNothing_ = false;

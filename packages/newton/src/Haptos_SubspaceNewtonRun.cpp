@@ -122,6 +122,10 @@ NewtonStop SubspaceNewtonRun::runLevel(const std::vector<PairLaw>& law, const Le
     return measure(lambda, s, relative, level);
   };
   limits.isLongWay = [this] { return isLongWay(); };
+  limits.renew = [this] {
+    liftRest();
+    takeJumps(jumpsOf(state_.lambda));
+  };
   const NewtonStop stop = iteration_.iterate(law, state_, limits, !pairsFirst);
   return stop == NewtonStop::LongWay && level.isFinal ? NewtonStop::Plateau : stop;
 }

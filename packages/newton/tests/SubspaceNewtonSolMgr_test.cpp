@@ -143,6 +143,32 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, StatusTestDecidesAndObserverSeesEverySte
   TEST_ASSERT(finals > 1 && levels > 1);
 }
 
+// A test that sees an error which no direction feels, until jumps are made from the multipliers once more.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, StateIsMadeAnewWhereTheTestDoesNotFeelSteps) {
+  const DenseContact d = makeContact(40, 30, false, 2);
+  Setup plain(d), deaf(d);
+  ContactOperators o = deaf.operators();
+  int made = 0;
+  o.jumpsOf = [&, h = std::exchange(o.h, Teuchos::null), F = o.F](const Vector& lambda) {
+    ++made;
+    const auto s = rcp(new Vector(*h, Teuchos::Copy));
+    F->apply(lambda, *s, Teuchos::NO_TRANS, -1.0, 1.0);
+    return s;
+  };
+  Manager a, b;
+  for (Manager* manager : {&a, &b}) manager->setParameters(withTolerance(1e-5));
+  a.setProblem(plain.problem);
+  b.setProblem(rcp(new ContactProblem(o, deaf.lambda)));
+  const auto error = [](const Vector&, const Vector& s) { return gather(s).tail(30).lpNorm<Eigen::Infinity>(); };
+  a.setStatusTest(error);
+  b.setStatusTest([&](const Vector& lambda, const Vector& s) { return made < 2 ? 0.01 : error(lambda, s); });
+  TEST_EQUALITY(a.solve(), Belos::Converged);
+  TEST_EQUALITY(b.solve(), Belos::Converged);
+  TEST_EQUALITY(made, 3);  // at the start, on the way, for the answer
+  out << a.hessianApplications() << " and " << b.hessianApplications() << " applications\n";
+  TEST_COMPARE(b.hessianApplications(), <=, a.hessianApplications() + 4);
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, GoesOnWhereItWas) {
   Setup once(makeContact(40, 30, false, 3)), twice(makeContact(40, 30, false, 3));
   Manager a, b;
