@@ -87,6 +87,19 @@ ElasticModuli moduliOf(const ElementGroup& group, const std::vector<IsotropicMat
   return elasticModuli(materials[std::size_t(group.material)]);
 }
 
+// The mean square of its corners' distances is 3 times that of all its points in a box, 5 times in a tetrahedron.
+void addElement(const Coordinates& coordinates, const ElementGroup& group, int element, double volume, PartVolume& part) {
+  const int corners = elementShape(group.topology).numCorners;
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
+  const auto corner = [&](int a) { return Eigen::Map<const Eigen::Vector3d>(coordinates[std::size_t(group.nodes(element)[a])].data()); };
+  for (int a = 0; a < corners; ++a) mean += corner(a) / corners;
+  for (int a = 0; a < corners; ++a) squares += (corner(a) - mean) * (corner(a) - mean).transpose() / corners;
+  part.volume += volume;
+  part.first += volume * mean;
+  part.second += volume * (mean * mean.transpose() + squares / (corners == 4 ? 5 : 3));
+}
+
 }  // namespace
 
 // The pattern once, full 3 x 3 blocks between nodes of an element, then the values in place: no triplets, no sorting.
@@ -114,23 +127,6 @@ void applyStiffness(const Coordinates& coordinates, const std::vector<ElementGro
     withShape(group.topology, [&](auto shape) { applyGroup<decltype(shape)>(coordinates, group, moduli, formulation, u, Ku); });
   }
 }
-
-namespace {
-
-// The mean square of its corners' distances is 3 times that of all its points in a box, 5 times in a tetrahedron.
-void addElement(const Coordinates& coordinates, const ElementGroup& group, int element, double volume, PartVolume& part) {
-  const int corners = elementShape(group.topology).numCorners;
-  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-  Eigen::Matrix3d squares = Eigen::Matrix3d::Zero();
-  const auto corner = [&](int a) { return Eigen::Map<const Eigen::Vector3d>(coordinates[std::size_t(group.nodes(element)[a])].data()); };
-  for (int a = 0; a < corners; ++a) mean += corner(a) / corners;
-  for (int a = 0; a < corners; ++a) squares += (corner(a) - mean) * (corner(a) - mean).transpose() / corners;
-  part.volume += volume;
-  part.first += volume * mean;
-  part.second += volume * (mean * mean.transpose() + squares / (corners == 4 ? 5 : 3));
-}
-
-}  // namespace
 
 std::vector<double> nodalStiffness(const Coordinates& coordinates, const std::vector<ElementGroup>& groups,
                                    const std::vector<double>& youngsModulus, PartVolume* volume) {

@@ -1,8 +1,11 @@
 // SPDX-License-Identifier: BSD-3-Clause
 // Matrices in, displacements out: against the same problem posed by parameters, and against systems made anew.
 #include <Teuchos_UnitTestHarness.hpp>
+#include <cmath>
+#include <numeric>
 
 #include "ContactScene.hpp"
+#include "Haptos_OwnStiffness.hpp"
 
 using namespace Haptos;
 using namespace Haptos::Testing;
@@ -45,6 +48,26 @@ TEUCHOS_UNIT_TEST(ContactSystem, MatricesElementsAndParametersAgree) {
   Teuchos::reduceAll(*Tpetra::getDefaultComm(), Teuchos::REDUCE_SUM, normal, Teuchos::outArg(sum));
   out << "open " << all[0] << ", slip " << all[1] << ", stick " << all[2] << ", normal force " << sum << "\n";
   TEST_ASSERT(all[0] + all[1] + all[2] == 12 && all[1] > 0 && sum > 0.1);
+}
+
+// An application's matrix tells who is a neighbour, that is enough to find what is thin and bent.
+TEUCHOS_UNIT_TEST(ContactSystem, ThinPartsAreFoundByTheirMatrices) {
+  for (const double thickness : {0.02, 0.5}) {
+    std::vector<BoxSpec> box(1);
+    box[0].divisions = {24, 3, 2};
+    box[0].map = [&](const Point& x) {
+      const double radius = 1 + thickness * x[2];
+      return Point{-radius * std::cos(3 * x[0]), 0.5 * x[1], radius * std::sin(3 * x[0])};
+    };
+    const Mesh mesh = makeBoxes(box);
+    std::vector<std::size_t> all(std::size_t(mesh.numElements()));
+    std::iota(all.begin(), all.end(), 0);
+    const Piece piece = pieceOf(mesh, 0, all);
+    const OwnStiffness stiffness({{"part", piece.coordinates, crsOf(stiffnessOf(piece)), {}}});
+    out << thickness << ": " << stiffness.shape(0).aspect << ", " << stiffness.shape(0).nodeStiffness << "\n";
+    TEST_EQUALITY(isSlender(stiffness.shape(0).aspect), thickness < 0.1);
+    TEST_EQUALITY(stiffness.shape(0).nodeStiffness < 0.2, thickness < 0.1);
+  }
 }
 
 // Every row of the table of what is done again.
