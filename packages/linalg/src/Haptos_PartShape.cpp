@@ -50,9 +50,10 @@ class PieceCutter {
   PieceCutter(const Coordinates& coordinates, const IndexLists& neighbours)
       : coordinates_(coordinates), neighbours_(neighbours), seenBy_(coordinates.size(), -1), pieces_{allOf(coordinates)} {}
 
-  bool hasFewNodes() const {
-    constexpr std::size_t kFew = 16;  // of a piece, on the mean
-    return kFew * pieces_.size() > coordinates_.size();
+  // Where pieces have few nodes, on the mean, or all of them in one place.
+  bool isAtEnd() const {
+    constexpr std::size_t kFew = 16;
+    return !isCut_ || kFew * pieces_.size() > coordinates_.size();
   }
 
   // Cuts all pieces; squares of their lengths and thicknesses, means over nodes.
@@ -70,6 +71,7 @@ class PieceCutter {
       for (Nodes& half : both)
         if (!half.empty()) halves.push_back(std::move(half));
     }
+    isCut_ = halves.size() > pieces_.size();
     pieces_ = std::move(halves);
     return {length2, thickness2};
   }
@@ -89,6 +91,7 @@ class PieceCutter {
   std::vector<int> seenBy_;  // [nodes] who met a node last
   int calls_ = 0;
   std::vector<Nodes> pieces_;
+  bool isCut_ = true;  // some piece was, the last time
 };
 
 // 0 where no pieces are thin
@@ -96,10 +99,9 @@ double aspectOfBent(const Coordinates& coordinates, const IndexLists& neighbours
   constexpr double kThin = 4;  // pieces: curvature adds little to their thickness, and what is as long as thick stays out
   PieceCutter cutter(coordinates, neighbours);
   double whole = 0, thinnest = std::numeric_limits<double>::infinity();
-  while (!cutter.hasFewNodes()) {
+  while (!cutter.isAtEnd()) {
     const auto [length2, thickness2] = cutter.cut();
     if (whole == 0) whole = length2;
-    if (length2 == 0) break;  // nodes in one place
     if (length2 > kThin * kThin * thickness2) thinnest = std::min(thinnest, thickness2);
   }
   return std::isfinite(thinnest) ? std::sqrt(whole / thinnest) : 0.0;

@@ -114,6 +114,12 @@ TEUCHOS_UNIT_TEST(PartShape, PlacesThatTellNothing) {
     TEST_ASSERT(isSlender(shape.aspect));
     TEST_ASSERT(shape.nodeStiffness > 0 && shape.nodeStiffness <= 1);
   }
+  // corners of a tetrahedron, many nodes at each but for round-off
+  const auto corner = [](double u, double v, double w) -> Eigen::Vector3d {
+    const Eigen::Vector3d x(u > 0.5, v > 0.5, (u > 0.5) != (v > 0.5));
+    return (1 + 1e-16 * w) * (x + Eigen::Vector3d::Constant(0.1));
+  };
+  TEST_ASSERT(!isSlender(Part({9, 9, 3}, corner).shape(false).aspect));
 }
 
 }  // namespace
