@@ -11,7 +11,7 @@ namespace Haptos {
 struct PartShape {
   double aspect = 1;     ///< its longest extent over its thickness, bent parts included
   /// What a node that moves alone meets over what the diagonal of K has for it: 1, but less in slender parts of flat or long elements, which are stiff
-  /// across their thickness alone, and yield there (decisions/058).
+  /// across their thickness alone, and yield there where nothing touches their other side (decisions/058).
   double nodeStiffness = 1;
 };
 

@@ -4,6 +4,7 @@
 #include <Teuchos_Comm.hpp>
 #include <algorithm>
 #include <numeric>
+#include <set>
 #include <utility>
 
 #include "Haptos_BodyShapes.hpp"
@@ -82,8 +83,25 @@ void deal(const OwnElements& own, const OrderedPartition& parts, const std::vect
   model.subdomains = dealSubdomains(*model.comm, own, partition, rankOf, materialOfBlock);
 }
 
-// What subdomains hold their nodes with, and how thin they are.
-std::vector<SubdomainNodes> weighNodes(DistributedModel& model) {
+// [bodies] how many sides of contacts and ties they have.
+std::vector<int> countContactSides(const DistributedModel& model, const std::vector<ContactSpec>& contacts) {
+  std::set<int> sets;
+  for (const auto& contact : contacts)
+    for (const auto* name : {&contact.secondarySideSet, &contact.primarySideSet})
+      if (!name->empty()) sets.insert(findSideSet(model.mesh.part, *name));
+  std::set<std::array<int, 2>> met;  // body, side set
+  for (const auto& sub : model.subdomains)
+    for (const auto& side : sub.sides)
+      if (sets.count(side.sideSet) > 0) met.insert({sub.body, side.sideSet});
+  const auto all = gatheredOnAll(*model.comm, std::vector<std::array<int, 2>>(met.begin(), met.end()));
+  std::vector<int> counts(model.data.bodyNames.size(), 0);
+  for (const auto& [body, set] : std::set<std::array<int, 2>>(all.begin(), all.end())) ++counts[std::size_t(body)];
+  return counts;
+}
+
+// What subdomains hold their nodes with, and how thin they are.  Nodes of a layer that others touch from both sides do not yield across it.
+std::vector<SubdomainNodes> weighNodes(DistributedModel& model, const std::vector<ContactSpec>& contacts) {
+  const auto sides = countContactSides(model, contacts);
   std::vector<double> youngsModulus;
   for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
   std::vector<SubdomainNodes> result;
@@ -93,6 +111,7 @@ std::vector<SubdomainNodes> weighNodes(DistributedModel& model) {
       PartVolume volume;
       result.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus, &volume)});
       model.shapes.push_back(shapeOfPart(sub.coordinates, nodeNeighbours(sub.numNodes(), sub.groups), volume));
+      if (sides[std::size_t(sub.body)] > 1) model.shapes.back().nodeStiffness = 1;
       bodies.push_back(sub.body);
     }
   });
@@ -102,9 +121,9 @@ std::vector<SubdomainNodes> weighNodes(DistributedModel& model) {
   return result;
 }
 
-RowSources rowSources(DistributedModel& model, const std::vector<ContactInterface>& interfaces) {
+RowSources rowSources(DistributedModel& model, const std::vector<ContactInterface>& interfaces, const std::vector<ContactSpec>& contacts) {
   RowSources sources;
-  sources.subdomains = weighNodes(model);
+  sources.subdomains = weighNodes(model, contacts);
   sources.prescribed = model.prescribed;
   sources.pairs = placedPairs(interfaces);
   for (std::size_t k = 0; k < model.data.friction.size(); ++k)
@@ -139,7 +158,7 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   deal(own, parts, draft.materialOfBlock, model);
   model.work = {own.elements.count(own.rank), own.nodes.count(own.rank), parts.partition.elementsCut, 0, draft.surfaceElements};
   for (const auto& sub : model.subdomains) model.work.elementsHeld += std::int64_t(sub.elements.size());
-  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces)));
+  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces, draft.contacts)));
   checkPinnedRows(*comm, *model.multipliers, model.mesh, model.data);
   notePrescribedSlips(*comm, *model.multipliers, model.mesh, model.data);
   for (const auto& interface : interfaces) model.unpaired.push_back(interface.unpaired);

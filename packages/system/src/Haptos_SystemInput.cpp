@@ -14,7 +14,6 @@
 #include <limits>
 #include <set>
 
-#include "Haptos_BodyShapes.hpp"
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Exchange.hpp"
@@ -151,19 +150,8 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   model.gather = gather_;
   model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
   model.multipliers = makeRows();
-  model.shapes = shapes_;
+  for (int i = 0; i < stiffness_->size(); ++i) model.shapes.push_back(stiffness_->shape(i));
   return model;
-}
-
-std::vector<PartShape> SystemInput::shapesOfParts() const {
-  std::vector<PartShape> result;
-  std::vector<int> bodies;
-  for (int i = 0; i < stiffness_->size(); ++i) {
-    result.push_back(stiffness_->shape(i));
-    bodies.push_back(dealt_[std::size_t(i)].body);
-  }
-  averageNodeStiffness(*comm_, bodies, result);
-  return result;
 }
 
 // Again for every change of values: kernels and nodal stiffnesses belong to the values.
@@ -344,12 +332,9 @@ std::vector<PlacedPair> SystemInput::placePairs(double size) {
 // From what is there now: rows are made anew after any change of pairs or of what is prescribed where.
 RCP<const MultiplierMap> SystemInput::makeRows() {
   RowSources sources;
-  shapes_ = shapesOfParts();
-  for (std::size_t i = 0; i < dealt_.size(); ++i) {
+  for (std::size_t i = 0; i < dealt_.size(); ++i)
     // Nodal stiffnesses weigh the copies of a node in contact rows, which therefore change with K.
     sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
-    for (double& value : sources.subdomains.back().stiffness) value *= shapes_[i].nodeStiffness;
-  }
   const double size = this->size();
   sources.pairs = placePairs(size);
   sources.prescribed = collectPrescribed();

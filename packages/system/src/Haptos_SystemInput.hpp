@@ -71,7 +71,6 @@ class SystemInput {
   std::vector<PrescribedDisplacement> collectPrescribed() const;
   std::vector<PlacedPair> placePairs(double size);
   double size() const;  // [length] of the model; Collective
-  std::vector<PartShape> shapesOfParts() const;  // Collective
 
   void dealSubdomains();
 
@@ -82,7 +81,6 @@ class SystemInput {
   NodeNumbering numbering_;
   std::vector<std::vector<std::int64_t>> nodes_;  // [dealt] numbers
   std::shared_ptr<const OwnStiffness> stiffness_;
-  std::vector<PartShape> shapes_;  // [dealt] see averageNodeStiffness
   RCP<const Map> map_, overlap_;      // 3 x id + component: one to one, and all on this rank
   std::vector<int> overlapOfCopy_;    // [copies of nodes] first row in overlap_
   std::vector<double> copies_;        // [overlap nodes] in how many subdomains of all ranks a node lies
