@@ -33,6 +33,34 @@ KINDS = {"edge": ([[(0, 0, 0)]], ["bottom0", "left0"], []),
 SIDES = {"left": (0, 0), "right": (0, 1), "front": (1, 0), "back": (1, 1), "bottom": (2, 0), "top": (2, 1)}
 
 
+def add_sides(sides, name, x, connectivity, shape, first):
+    """Side sets of a divided unit cube, by `name(side)`; its elements are counted from `first`."""
+    for side, (axis, value) in SIDES.items():
+        elements, faces = random_scenes._sides_at(x, connectivity, shape, axis, float(value))
+        sides.append(SideSet(len(sides) + 1, name(side), elements + first, faces))
+
+
+def material(name, block, young, poisson):
+    return listed(name, parameter("Element Blocks", "Array(string)", f"{{{block}}}"), parameter("Young's Modulus", "double", repr(young)),
+                  parameter("Poisson's Ratio", "double", repr(poisson)))
+
+
+def coulomb(coefficients, axis):
+    return listed("Friction", parameter("Law", "string", "Coulomb"), parameter("Coefficients", "Array(double)", array(coefficients)),
+                  parameter("Principal Direction", "Array(double)", array(axis)))
+
+
+def hold(name, sets, components):
+    return listed(name, parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", array(sets)),
+                  parameter("Components", "string", components), parameter("Value", "Array(double)", array([0.0] * len(components))))
+
+
+def problem(name, subdomains, materials, conditions, contacts):
+    return listed("Haptos", listed("Mesh", parameter("File", "string", f"{name}.exo")), listed("Decomposition", parameter("Subdomains", "int", subdomains)),
+                  listed("Materials", *materials), listed("Boundary Conditions", *conditions), listed("Contact", *contacts),
+                  listed("Solver", parameter("Maximum Hessian Multiplications", "int", 1000)))
+
+
 class Corner(Written):
     """One scene of a seed, as `aspects.solve` takes it."""
 
@@ -62,9 +90,7 @@ class Corner(Written):
             first, cells = len(points), []
             for place in body:
                 x, connectivity = random_scenes._body(BodyMesh(self.shape, self.elements), (1, 1, 1))
-                for name, (axis, value) in SIDES.items():
-                    elements, faces = random_scenes._sides_at(x, connectivity, self.shape, axis, float(value))
-                    sides.append(SideSet(len(sides) + 1, f"{name}{box}", elements + numbers, faces))
+                add_sides(sides, f"{{}}{box}".format, x, connectivity, self.shape, numbers)
                 cells.append(connectivity + len(points))
                 points = np.concatenate([points, x + place])
                 numbers += len(connectivity)
@@ -76,16 +102,12 @@ class Corner(Written):
         return ExodusMesh(points, blocks, sides)
 
     def input(self, name):
-        materials = [listed(f"material{b}", parameter("Element Blocks", "Array(string)", f"{{body{b}}}"), parameter("Young's Modulus", "double", repr(self.young[b])),
-                            parameter("Poisson's Ratio", "double", repr(self.poisson[b]))) for b in range(len(self.bodies))]
-        friction = listed("Friction", parameter("Law", "string", "Coulomb"), parameter("Coefficients", "Array(double)", array(self.friction)),
-                          parameter("Principal Direction", "Array(double)", array(self.direction)))
+        materials = [material(f"material{b}", f"body{b}", self.young[b], self.poisson[b]) for b in range(len(self.bodies))]
+        friction = coulomb(self.friction, self.direction)
         contacts = [listed(side, parameter("Secondary Side Set", "string", side), self.plane(side), friction) for side in self.planes]
         contacts += [listed(f"{secondary} on {primary}", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary),
                             friction) for secondary, primary in self.pairs]
-        return listed("Haptos", listed("Mesh", parameter("File", "string", f"{name}.exo")), listed("Decomposition", parameter("Subdomains", "int", self.subdomains)),
-                      listed("Materials", *materials), listed("Boundary Conditions", *self.conditions()), listed("Contact", *contacts),
-                      listed("Solver", parameter("Maximum Hessian Multiplications", "int", 1000)))
+        return problem(name, self.subdomains, materials, self.conditions(), contacts)
 
     def plane(self, side):
         normal = {"left": (1, 0, -self.lean), "front": (0, 1, 0), "bottom": (0, 0, 1)}[side[:-1]]
@@ -100,8 +122,7 @@ class Corner(Written):
         conditions.append(listed("pull", parameter("Type", "string", "Traction"), parameter("Sets", "Array(string)", f"{{top{max(boxes)}}}"),
                                  parameter("Value", "Array(double)", array((0, self.pull, 0)))))
         if self.kind == "groove":
-            conditions.append(listed("clamp", parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", "{bottom0, bottom1}"),
-                                     parameter("Components", "string", "xyz"), parameter("Value", "Array(double)", "{0.0, 0.0, 0.0}")))
+            conditions.append(hold("clamp", ["bottom0", "bottom1"], "xyz"))
         return conditions
 
 

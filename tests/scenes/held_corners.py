@@ -10,7 +10,7 @@ or takes more multiplications than --most.
 import sys
 
 import corners  # ends with 77 where modules are missing
-from corners import Corner, array, listed, parameter
+from corners import Corner, hold
 
 
 class HeldCorner(Corner):
@@ -18,9 +18,7 @@ class HeldCorner(Corner):
         return f"{super().describe()}, held"
 
     def conditions(self):
-        backs = array(f"back{box}" for box in range(sum(map(len, self.bodies))))
-        return [*super().conditions(), listed("hold", parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", backs),
-                                              parameter("Components", "string", "y"), parameter("Value", "Array(double)", "{0.0}"))]
+        return [*super().conditions(), hold("hold", [f"back{box}" for box in range(sum(map(len, self.bodies)))], "y")]
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ import sys
 import corners  # ends with 77 where modules are missing
 import numpy as np
 import random_scenes
-from corners import array, listed, parameter
+from corners import array, coulomb, hold, listed, material, parameter, problem
 from haptos_exodus import Block, ExodusMesh, SideSet
 from random_scenes import BodyMesh, Written
 
@@ -80,26 +80,19 @@ class Rough(Written):
 
     def input(self, name):
         upper = len(self.divisions) - 1
-        materials = [listed(f"material{b}", parameter("Element Blocks", "Array(string)", f"{{body{b}}}"), parameter("Young's Modulus", "double", repr(E)),
-                            parameter("Poisson's Ratio", "double", 0.3)) for b, E in enumerate(self.young)]
-        friction = listed("Friction", parameter("Law", "string", "Coulomb"), parameter("Coefficients", "Array(double)", array(self.friction)),
-                          parameter("Principal Direction", "Array(double)", array((math.cos(self.angle), math.sin(self.angle), 0))))
+        materials = [material(f"material{b}", f"body{b}", E, 0.3) for b, E in enumerate(self.young)]
+        friction = coulomb(self.friction, (math.cos(self.angle), math.sin(self.angle), 0))
         primary = parameter("Primary Side Set", "string", "top0")
         if self.on_plane:
             primary = listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", "{0.0, 0.0, 1.0}"))
         contact = listed("rough", parameter("Secondary Side Set", "string", f"bottom{upper}"), primary, friction)
-        return listed("Haptos", listed("Mesh", parameter("File", "string", f"{name}.exo")), listed("Decomposition", parameter("Subdomains", "int", 6)),
-                      listed("Materials", *materials), listed("Boundary Conditions", *self.conditions(upper)), listed("Contact", contact),
-                      listed("Solver", parameter("Maximum Hessian Multiplications", "int", 1000)))
+        return problem(name, 6, materials, self.conditions(upper), [contact])
 
     def conditions(self, upper):
-        def held(name, side, components):
-            return listed(name, parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", f"{{{side}}}"),
-                          parameter("Components", "string", components), parameter("Value", "Array(double)", array([0.0] * len(components))))
         top = parameter("Sets", "Array(string)", f"{{top{upper}}}")
         conditions = [listed("press", parameter("Type", "string", "Pressure"), parameter("Value", "double", repr(self.pressure)), top),
                       listed("pull", parameter("Type", "string", "Traction"), parameter("Value", "Array(double)", array(self.pull)), top)]
-        return conditions + [held("clamp", "bottom0", "xyz")] * (not self.on_plane) + [held("hold", f"left{upper}", "xy")] * self.is_held
+        return conditions + [hold("clamp", ["bottom0"], "xyz")] * (not self.on_plane) + [hold("hold", [f"left{upper}"], "xy")] * self.is_held
 
 
 if __name__ == "__main__":

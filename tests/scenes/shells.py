@@ -14,8 +14,8 @@ import sys
 import corners  # ends with 77 where modules are missing
 import numpy as np
 import random_scenes
-from corners import SIDES, array, listed, parameter
-from haptos_exodus import Block, ExodusMesh, SideSet
+from corners import add_sides, array, coulomb, hold, listed, material, parameter, problem
+from haptos_exodus import Block, ExodusMesh
 from random_scenes import BodyMesh, Written
 
 
@@ -118,9 +118,7 @@ class Shell(Written):
         points, blocks, sides, numbers = [], [], [], 0
         for name, divisions, place, closes in self.bodies:
             x, connectivity = random_scenes._body(BodyMesh(self.shape, divisions), (1, 1, 1))
-            for side, (axis, value) in SIDES.items():
-                elements, faces = random_scenes._sides_at(x, connectivity, self.shape, axis, float(value))
-                sides.append(SideSet(len(sides) + 1, f"{name}_{side}", elements + numbers, faces))
+            add_sides(sides, f"{name}_{{}}".format, x, connectivity, self.shape, numbers)
             x = np.stack(place(*x.T), axis=1)
             if closes:
                 x, to = np.unique(np.round(x, 12), axis=0, return_inverse=True)
@@ -131,23 +129,19 @@ class Shell(Written):
         return ExodusMesh(np.concatenate(points), blocks, sides)
 
     def input(self, name):
-        materials = [listed(body, parameter("Element Blocks", "Array(string)", f"{{{body}}}"), parameter("Young's Modulus", "double", repr(E)),
-                            parameter("Poisson's Ratio", "double", 0.3)) for body, E in zip(("drum", "thin"), self.young)]
+        materials = [material(body, body, E, 0.3) for body, E in zip(("drum", "thin"), self.young)]
         axis = (1, 0, 0) if self.kind == "dome" else (0, 1, 0)
-        friction = listed("Friction", parameter("Law", "string", "Coulomb"), parameter("Coefficients", "Array(double)", array(self.friction)),
-                          parameter("Principal Direction", "Array(double)", array(axis)))
         secondary, primary = self.contact
-        contact = listed("contact", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary), friction)
-        return listed("Haptos", listed("Mesh", parameter("File", "string", f"{name}.exo")), listed("Decomposition", parameter("Subdomains", "int", self.subdomains)),
-                      listed("Materials", *materials), listed("Boundary Conditions", *self.conditions()), listed("Contact", contact),
-                      listed("Solver", parameter("Maximum Hessian Multiplications", "int", 1000)))
+        contact = listed("contact", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary), coulomb(self.friction, axis))
+        return problem(name, self.subdomains, materials, self.conditions(), [contact])
 
     def conditions(self):
-        conditions = [listed(side, parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", f"{{{side}}}"), parameter("Components", "string", components),
-                             parameter("Value", "Array(double)", array([0.0] * len(components)))) for side, components in self.held]
+        conditions = [hold(side, [side], components) for side, components in self.held]
         for kind, side, value in self.loads:
-            text = any(isinstance(v, str) for v in value) if isinstance(value, list) else False
-            given = parameter("Value", "Array(string)" if text else "Array(double)", array(value)) if isinstance(value, list) else parameter("Value", "double", value)
+            if kind == "Pressure":
+                given = parameter("Value", "double", value)
+            else:
+                given = parameter("Value", "Array(string)" if isinstance(value[0], str) else "Array(double)", array(value))
             conditions.append(listed(f"{kind} of {side}", parameter("Type", "string", kind), parameter("Sets", "Array(string)", f"{{{side}}}"), given))
         return conditions
 

@@ -77,7 +77,7 @@ TEUCHOS_UNIT_TEST(PartShape, BentPartsAreThin) {
   for (double angle : {pi / 3, pi, 2 * pi}) {
     const int n = angle < 2 ? 8 : 24;
     const bool closes = angle > 6;
-    const double extent = closes ? std::sqrt(6.0) : angle > 3 ? std::sqrt(6.0) : 1.0;  // of a box that spreads as far
+    const double extent = angle > 3 ? std::sqrt(6.0) : 1.0;  // of a box that spreads as far
     const double exact = extent / thickness;
     for (bool knowsElements : {true, false}) {
       const double aspect = Part({n, 3, 2}, pipe(angle, thickness), closes).shape(knowsElements).aspect;

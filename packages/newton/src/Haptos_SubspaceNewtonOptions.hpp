@@ -70,14 +70,14 @@ struct SubspaceNewtonOptions {
 
     int window = 3;                ///< steps over which the residual must fall by windowFactor; else the way is poor
     double windowFactor = 0.6;
-    /// Where so many steps leave less than `deafFalls` of the residual, and change what is measured by less than `deafChange`, balance and jumps are made anew.
-    int deafSteps = 2;
-    double deafFalls = 0.25, deafChange = 0.01;
     /// The same where condensed directions can be had: they leave a third each.  At .6 round-off decided whether a way of .8 a step was poor.
     double windowFactorOfBetter = 0.45;
     /// And in the first so many steps of a level, whose rate is not yet that of the way: a better M costs 100 to 300 F (decisions/042).
     double windowFactorAtFirst = 0.5;
     int firstSteps = 6;
+    /// Where so many steps leave less than `deafFalls` of the residual, and change what is measured by less than `deafChange`, balance and jumps are made anew.
+    int deafSteps = 2;
+    double deafFalls = 0.25, deafChange = 0.01;
     /// r relative to the nodal stiffness, tried in turn on a poor way; the pairs do not depend on it.  1 alone took 71 F in one
     /// cell of twenty, 0.3 alone more than 40 in four.
     std::array<double, 3> penalties{1.0, 0.3, 0.1};

@@ -18,6 +18,16 @@ namespace {
 using namespace HaptosTest;
 using Manager = SubspaceNewtonSolMgr;
 
+// Jumps h - F lambda in the place of h, counted.
+void giveJumps(ContactOperators& o, int& asked) {
+  o.jumpsOf = [&asked, h = std::exchange(o.h, Teuchos::null), F = o.F](const Vector& lambda) {
+    ++asked;
+    const auto s = rcp(new Vector(*h, Teuchos::Copy));
+    F->apply(lambda, *s, Teuchos::NO_TRANS, -1.0, 1.0);
+    return s;
+  };
+}
+
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, SolvesDenseContactThroughBelos) {
   for (const bool floating : {false, true})
     for (unsigned seed = 1; seed <= 3; ++seed) {
@@ -73,12 +83,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, JumpsOfTheStartTakenOrGiven) {
   Setup taken(d), given(d);
   ContactOperators o = given.operators();
   int asked = 0;
-  o.jumpsOf = [&, h = std::exchange(o.h, Teuchos::null), F = o.F](const Vector& lambda) {
-    ++asked;
-    const auto s = rcp(new Vector(*h, Teuchos::Copy));
-    F->apply(lambda, *s, Teuchos::NO_TRANS, -1.0, 1.0);
-    return s;
-  };
+  giveJumps(o, asked);
   Manager a, b;
   for (Manager* manager : {&a, &b}) manager->setParameters(withTolerance(1e-10));
   a.setProblem(taken.problem);
@@ -149,12 +154,7 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, StateIsMadeAnewWhereTheTestDoesNotFeelSt
   Setup plain(d), deaf(d);
   ContactOperators o = deaf.operators();
   int made = 0;
-  o.jumpsOf = [&, h = std::exchange(o.h, Teuchos::null), F = o.F](const Vector& lambda) {
-    ++made;
-    const auto s = rcp(new Vector(*h, Teuchos::Copy));
-    F->apply(lambda, *s, Teuchos::NO_TRANS, -1.0, 1.0);
-    return s;
-  };
+  giveJumps(o, made);
   Manager a, b;
   for (Manager* manager : {&a, &b}) manager->setParameters(withTolerance(1e-5));
   a.setProblem(plain.problem);

@@ -7,11 +7,12 @@
 #include <set>
 #include <utility>
 
-#include "Haptos_BodyShapes.hpp"
+#include "Haptos_BodyMeans.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalGather.hpp"
 #include "Haptos_NodeNeighbours.hpp"
 #include "Haptos_PairLaws.hpp"
+#include "Haptos_PartShape.hpp"
 #include "Haptos_Partition.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_StiffnessAssembler.hpp"
@@ -106,18 +107,20 @@ std::vector<SubdomainNodes> weighNodes(DistributedModel& model, const std::vecto
   for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
   std::vector<SubdomainNodes> result;
   std::vector<int> bodies;
+  std::vector<double> yields;
   runOnAllRanks(*model.comm, [&] {
     for (const auto& sub : model.subdomains) {
       PartVolume volume;
       result.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus, &volume)});
-      model.shapes.push_back(shapeOfPart(sub.coordinates, nodeNeighbours(sub.numNodes(), sub.groups), volume));
-      if (sides[std::size_t(sub.body)] > 1) model.shapes.back().nodeStiffness = 1;
+      const PartShape shape = shapeOfPart(sub.coordinates, nodeNeighbours(sub.numNodes(), sub.groups), volume);
+      model.aspects.push_back(shape.aspect);
       bodies.push_back(sub.body);
+      yields.push_back(sides[std::size_t(sub.body)] > 1 ? 1.0 : shape.nodeStiffness);
     }
   });
-  averageNodeStiffness(*model.comm, bodies, model.shapes);
+  takeMeansOfBodies(*model.comm, bodies, yields);  // bodies are weighed against each other, gluing rows as they were
   for (std::size_t i = 0; i < result.size(); ++i)
-    for (double& value : result[i].stiffness) value *= model.shapes[i].nodeStiffness;
+    for (double& value : result[i].stiffness) value *= yields[i];
   return result;
 }
 

@@ -8,7 +8,6 @@
 
 #include "Haptos_ModelBuilder.hpp"
 #include "Haptos_MultiplierMap.hpp"
-#include "Haptos_PartShape.hpp"
 #include "Haptos_RunClock.hpp"
 
 namespace Haptos {
@@ -32,7 +31,7 @@ struct DistributedModel {
   ModelData data;                     ///< the same on all ranks
   MeshShare mesh;                     ///< this rank's ranges of nodes and elements, as they were read
   std::vector<Subdomain> subdomains;  ///< this rank's, contiguous in their global numbers
-  std::vector<PartShape> shapes;      ///< [this rank's subdomains] nodeStiffness: of their bodies
+  std::vector<double> aspects;        ///< [this rank's subdomains] see PartShape
   int firstSubdomain = 0, numSubdomains = 0;
   long primalUnknowns = 0;            ///< n, over all ranks
   RCP<const MultiplierMap> multipliers;

@@ -90,7 +90,7 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
   std::vector<IsotropicMaterial> capped;
   if (capMaterials(model.data.materials, capped))
     system.softened = std::make_shared<ElasticStiffness>(model.subdomains, capped, model.data.formulation);
-  system.shapes = model.shapes;
+  system.aspects = model.aspects;
   system.isHard = hasHardElements(*model.comm, model.subdomains, model.data.materials);
   system.firstSubdomain = model.firstSubdomain;
   for (const auto& sub : model.subdomains) {

@@ -214,7 +214,7 @@ void FetiSystem::findSlender() {
   Eigen::VectorXd flatAndAll = Eigen::Vector2d(0.0, double(systems_->size()));
   slender_.clear();
   for (int i = 0; i < systems_->size(); ++i) {
-    const double aspect = model_.shapes[std::size_t(i)].aspect;
+    const double aspect = model_.aspects[std::size_t(i)];
     slender_.push_back(isDirichlet && isSlender(aspect) && int(touched_->of(i).size()) <= DeflatedMotions::kLargestSpectrum);
     flatAndAll[0] += aspect > kFlat;
   }

@@ -150,7 +150,7 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   model.gather = gather_;
   model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
   model.multipliers = makeRows();
-  for (int i = 0; i < stiffness_->size(); ++i) model.shapes.push_back(stiffness_->shape(i));
+  for (int i = 0; i < stiffness_->size(); ++i) model.aspects.push_back(stiffness_->shape(i).aspect);
   return model;
 }
 

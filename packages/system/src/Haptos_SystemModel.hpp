@@ -9,7 +9,6 @@
 #include "Haptos_MultiplierMap.hpp"
 #include "Haptos_NodalGather.hpp"
 #include "Haptos_Options.hpp"
-#include "Haptos_PartShape.hpp"
 #include "Haptos_SubdomainStiffness.hpp"
 
 namespace Haptos {
@@ -20,7 +19,7 @@ struct SystemModel {
   std::shared_ptr<const SubdomainStiffness> stiffness;  ///< of this rank's subdomains, contiguous in their global numbers
   /// For the preconditioner where K is nearly incompressible (what F does not mirror), on the same nodes; null: the same.
   std::shared_ptr<const SubdomainStiffness> softened;
-  std::vector<PartShape> shapes;  ///< [local subdomains]; their nodeStiffness is in the rows' weights already, if anywhere
+  std::vector<double> aspects;  ///< [local subdomains] see PartShape
   bool isHard = false;  ///< elements for which the preconditioner is known to be poor; the same on all ranks
   int firstSubdomain = 0;
   std::vector<int> bodies, pieces;          ///< [local subdomains]; pieces of a body are joined by nodes or edges alone, and may turn there
