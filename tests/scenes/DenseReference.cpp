@@ -50,7 +50,8 @@ void DenseReference::condense() {
         }
       }
       if (felt == 0 && a == 0) laws_.back().normalPinned = true;
-      if (felt == 0 && a > 0) laws_.back().coefficients[a - 1] = 0;
+      // A slip that supports prescribe has a force by the law; without one any force would do.
+      if (felt == 0 && a > 0 && d_[3 * i + a] == 0) laws_.back().coefficients[a - 1] = 0;
     }
     d_[3 * i] -= pair.gap;
   }

@@ -151,6 +151,12 @@ void addConstraints(Table& table) {
     s.loads = pushed({8, 0, 0});
     s.atLeast = {5, 5, 0};
   });
+  table.add("dragged-across", "contact nodes held along y on one body and moved along it on the other, an axis of friction: all slide, and x is free", [](Scene& s) {
+    s.holds = {{"lower_clamp", "xyz"}, {"lower_contact", "y"}, {"upper_contact", "y", {0, 2e-3, 0}}};
+    s.friction = {0.3, 0.1};
+    s.loads = pushed({8, 0, 0});
+    s.atLeast = {0, 10, 0};
+  });
   table.add("rollers-along-normal", "contact nodes of both bodies held along z: every normal row is pinned", [](Scene& s) {
     s.holds.push_back({"lower_contact", "z"});
     s.holds.push_back({"upper_contact", "z"});

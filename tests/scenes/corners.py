@@ -126,7 +126,8 @@ class Corner(Written):
         return conditions
 
 
-def main(scenes, text):
+def main(scenes, text, check=lambda scene, folder: []):
+    """:param check: what is wrong with the answer in a folder, as texts"""
     parser = argparse.ArgumentParser(allow_abbrev=False, description=text, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--haptos", required=True)
     parser.add_argument("--launcher", default="", help="as in 'mpirun -n 2'")
@@ -142,7 +143,7 @@ def main(scenes, text):
         scene = scenes(options.seed, index)
         with tempfile.TemporaryDirectory(prefix="haptos_") as folder:
             status, count, seconds, pairs = solve(options, scene, folder)
-        wrong = [f"status {status}"] * (status != 0) + [f"more than {options.most}"] * (count > options.most)
+            wrong = [f"status {status}"] * (status != 0) + [f"more than {options.most}"] * (count > options.most) + check(scene, folder)
         failed += bool(wrong)
         print(f"| {index} | {scene.describe()} | {pairs} | {count} | {seconds:.2g} | {', '.join(wrong)} |", flush=True)
     return 1 if failed else 0

@@ -41,7 +41,7 @@ struct InterfaceRows {
   std::string name;         ///< for messages
   bool tied = false;        ///< three equality rows a pair
   bool frictional = false;  ///< tangential rows beside the normal one
-  bool isIsotropic = false; ///< coefficients are equal where pairs have none of their own
+  std::array<double, 2> coefficients{0, 0};  ///< F1, F2 [-] of pairs that have none of their own
 };
 
 /// \brief What one rank brings to the rows of B.  Every item comes from one rank, whichever.

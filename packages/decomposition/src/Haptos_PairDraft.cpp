@@ -23,8 +23,14 @@ namespace {
 
 // What supports leave of a pair's slip: which components are free, and the slip that they prescribe along t1 and t2.
 struct SlipLeft {
+  static constexpr double kRoundOff = 1e-12;
+
   std::array<bool, 3> isFree{};
   std::array<double, 2> prescribed{};
+  double scale = 0;  // of what cancels in it
+
+  // Whether s, a part of what is prescribed, is one.
+  bool isDriven(double s) const { return std::abs(s) > kRoundOff * scale; }
 };
 
 SlipLeft slipLeft(const NodeDirectory& directory, const PairDraft& draft) {
@@ -33,8 +39,13 @@ SlipLeft slipLeft(const NodeDirectory& directory, const PairDraft& draft) {
   for (const auto& [index, weight] : draft.nodes) {
     const NodeRecord& record = directory.records()[std::size_t(index)];
     for (std::size_t d = 0; d < 3; ++d) {
-      if (!record.isPrescribed[d]) left.isFree[d] = left.isFree[d] || weight != 0;
-      else left.prescribed[0] += weight * frame.t1[d] * record.prescribed[d], left.prescribed[1] += weight * frame.t2[d] * record.prescribed[d];
+      if (!record.isPrescribed[d]) {
+        left.isFree[d] = left.isFree[d] || weight != 0;
+        continue;
+      }
+      const double moved = weight * record.prescribed[d];
+      left.prescribed[0] += frame.t1[d] * moved, left.prescribed[1] += frame.t2[d] * moved;
+      left.scale += std::abs(moved);
     }
   }
   return left;
@@ -62,22 +73,39 @@ void turn(const FrameTurn& by, ContactPair& pair) {
   pair.turn = by;
 }
 
+// Rows that are left out whatever they reach stay where supports drive one side along them.
+void keepDrivenRows(const SlipLeft& left, ContactPair& pair) {
+  for (std::size_t t = 0; t < 2; ++t) {
+    const auto& axis = t == 0 ? pair.frame.t1 : pair.frame.t2;
+    double reach = 0;
+    for (std::size_t d = 0; d < 3; ++d)
+      if (left.isFree[d]) reach += std::abs(axis[d]);
+    if (reach < PairDraft::kRoundOff && left.isDriven(left.prescribed[t])) pair.isPinned[t + 1] = 0;
+  }
+}
+
+// Half way between the axes, where multipliers that are stretched to equal coefficients have their axes as well as anywhere.  Rows along the axis that
+// is left are as long as they would be anyhow, as the other one has nothing but what is prescribed.
+FrameTurn halfTurn(const std::array<double, 2>& F, std::size_t left) {
+  FrameTurn turn{std::sqrt(0.5), std::sqrt(0.5), false};
+  turn.stretch[1 - left] = F[1 - left] / F[left];
+  return turn;
+}
+
 // Where supports leave one direction e to slip and it is no axis of friction, both tangential rows would be multiples of one another, and forces along
 // them could not be told apart.  With slip along e alone F^2 e / |F e| is what friction is, and |F e| its part along e: one row does, whose coefficient
 // the law finds from the turn.  Friction along e depends on a slip across e that is prescribed: the law must see both, and where e is an axis the
-// row of the other one is empty; where coefficients are equal other axes do as well, half way between.
-void turnAxes(const NodeDirectory& directory, bool isIsotropic, PairDraft& draft) {
-  constexpr double kAcross = 1e-12;
-  ContactPair& pair = draft.placed.pair;
-  const SlipLeft left = slipLeft(directory, draft);
+// row of the other one is empty, so rows are turned half way.
+void turnAxes(const std::array<double, 2>& F, const SlipLeft& left, ContactPair& pair) {
   const auto v = onlyDirection(pair.frame, left);
   if (!v) return;
   const auto [v1, v2] = *v;
   const auto [s1, s2] = left.prescribed;
-  const bool isAxis = std::abs(v1) < PairDraft::kRoundOff || std::abs(v2) < PairDraft::kRoundOff;
-  const bool isDriven = std::abs(s1 * v2 - s2 * v1) > kAcross * std::hypot(s1, s2);
+  const bool isFirst = std::abs(v2) < PairDraft::kRoundOff, isAxis = isFirst || std::abs(v1) < PairDraft::kRoundOff;
+  const bool isDriven = left.isDriven(s1 * v2 - s2 * v1);
   if (!isDriven && !isAxis) turn({v1, v2, true}, pair);
-  if (isDriven && isAxis && isIsotropic) turn({std::sqrt(0.5), std::sqrt(0.5), false}, pair);
+  // A coefficient 0 along e leaves nothing to find there, and along the other axis no force.
+  if (isDriven && isAxis && F[0] > 0 && F[1] > 0) turn(halfTurn(F, isFirst ? 0 : 1), pair);
 }
 
 // What rows leave out of their axes is nowhere: a multiplier that is turned to global axes and back would return to an empty row by it.
@@ -91,21 +119,22 @@ void dropRoundOff(LocalFrame& frame) {
 
 // c of a row is its gap minus what prescribed displacements contribute to the jump.
 void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, PairDraft& draft) {
-  const PlacedPair& placed = draft.placed;
-  const auto& F = placed.pair.coefficients;
-  if (interface.frictional && !interface.tied && !placed.pair.isPinned[1] && !placed.pair.isPinned[2])
-    turnAxes(directory, F ? (*F)[0] == (*F)[1] : interface.isIsotropic, draft);
-  dropRoundOff(draft.placed.pair.frame);
-  const LocalFrame& frame = placed.pair.frame;
+  ContactPair& pair = draft.placed.pair;
+  const SlipLeft left = slipLeft(directory, draft);
+  const bool hasTangential = interface.frictional && !interface.tied;
+  if (hasTangential) keepDrivenRows(left, pair);
+  if (hasTangential && !pair.isPinned[1] && !pair.isPinned[2]) turnAxes(pair.coefficients.value_or(interface.coefficients), left, pair);
+  dropRoundOff(pair.frame);
+  const LocalFrame& frame = pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
   if (interface.tied) draft.axes = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   for (std::size_t a = 0; a < 3; ++a)
-    if (placed.pair.isPinned[a]) draft.axes[a] = {0, 0, 0};
+    if (pair.isPinned[a]) draft.axes[a] = {0, 0, 0};
   RowShare::Pair& share = draft.share;
-  share.interface = placed.interface;
-  share.position = placed.position;
+  share.interface = draft.placed.interface;
+  share.position = draft.placed.position;
   share.isTied = interface.tied;
-  share.c = {interface.tied ? 0.0 : placed.pair.gap, 0.0, 0.0};
+  share.c = {interface.tied ? 0.0 : pair.gap, 0.0, 0.0};
   share.pinned = {1, 1, 1};
   for (const auto& [index, weight] : draft.nodes) {
     const NodeRecord& record = directory.records()[std::size_t(index)];
@@ -115,6 +144,9 @@ void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, Pa
         else if (weight != 0 && draft.acts(a, d, record)) share.pinned[a] = 0;
       }
   }
+  if (!pair.turn || !pair.turn->isStretched()) return;
+  const auto driven = pair.turn->slipOfRows(left.prescribed[0], left.prescribed[1]);
+  for (std::size_t t = 0; t < 2; ++t) share.c[t + 1] = -driven[t];
 }
 
 }  // namespace Haptos

@@ -16,7 +16,7 @@ namespace Haptos {
 namespace {
 
 constexpr double kNothing = 1e-9;   // of Q
-constexpr double kStiffness = 1000;  // of a row: what the law asks of a force has to be seen, and hides the jumps of no other (decisions/057)
+constexpr double kStiffness = 1e6;  // of a row: what the law asks of a force has to be seen, down to jumps that are errors (decisions/057)
 
 // E[i, j] of this rank, of rows that may be others'.
 struct Entry {

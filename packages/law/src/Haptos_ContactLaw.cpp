@@ -30,6 +30,13 @@ PairProjection PairLaw::project(const std::array<double, 3>& x) const {
   return result;
 }
 
+PairLaw PairLaw::alongAxes() const {
+  PairLaw result = *this;
+  for (std::size_t t = 0; turn && t < 2; ++t) result.coefficients[t] *= turn->stretch[t];
+  result.turn.reset();
+  return result;
+}
+
 ContactStatus contactStatus(const PairLaw& pair, const std::array<double, 3>& lambda, const StateScales& scales) {
   const double onEllipse = std::max(1e-6, 10 * scales.tolerance);  // of the radius
   if (lambda[0] <= std::max(1e-9, scales.tolerance) * scales.force) return ContactStatus::Open;

@@ -2,9 +2,11 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "Haptos_FrameTurn.hpp"
 #include "Haptos_Options.hpp"
 
 namespace Haptos {
@@ -37,9 +39,13 @@ struct PairLaw {
   double slipForce;                   ///< Tresca: slip bound x area [force]
   FrictionLaw law;
   bool normalPinned;
+  std::optional<FrameTurn> turn = std::nullopt;  ///< of pairs whose rows are stretched: errors and forces are those along the axes
 
   bool frictional() const { return tangential[0] >= 0; }
   double slipBound(double normalForce) const { return law == FrictionLaw::Tresca ? slipForce : std::max(0.0, normalForce); }
+
+  /// \brief The same law along the axes of friction.
+  PairLaw alongAxes() const;
 
   /// \brief P(x) at x = lambda + r s.
   PairProjection project(const std::array<double, 3>& x) const;

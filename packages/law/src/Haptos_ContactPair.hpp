@@ -8,6 +8,7 @@
 #include <tuple>
 #include <vector>
 
+#include "Haptos_FrameTurn.hpp"
 #include "Haptos_LocalFrame.hpp"
 
 namespace Haptos {
@@ -16,15 +17,6 @@ namespace Haptos {
 struct NodeWeight {
   std::int64_t node;  ///< mesh index
   double weight;
-};
-
-/// \brief How t1 and t2 of a pair are turned from the axes a1, a2 of friction: t1 = c a1 + s a2, t2 = c a2 - s a1.
-struct FrameTurn {
-  double c, s;
-  bool isOnly;  ///< supports leave t1 as the only direction to slip; else the coefficients are equal, and any axes do
-
-  std::array<double, 2> toAxes(double t1, double t2) const { return {c * t1 - s * t2, s * t1 + c * t2}; }
-  bool operator==(const FrameTurn& other) const { return c == other.c && s == other.s && isOnly == other.isOnly; }
 };
 
 /// \brief One multiplier node on the secondary side and what it may touch.

@@ -54,11 +54,19 @@ double largestOf(const KktErrors& e) {
   return std::max({e.penetration, e.compression, e.complementarity, e.cone, e.slipLaw});
 }
 
+// Along the axes of friction, whatever rows are: visit(law, lambda, s).
 template <class Visit>
 void forEachPair(const ContactLaw& law, const Vector& lambda, const Vector& s, Visit&& visit) {
-  const auto l = lambda.getData(0), j = s.getData(0);
-  for (std::size_t i = 0; i < law.pairs().size(); ++i)
-    visit(i, ContactLaw::gather(law.pairs()[i], l.getRawPtr()), ContactLaw::gather(law.pairs()[i], j.getRawPtr()));
+  const auto data = lambda.getData(0), jumps = s.getData(0);
+  for (const PairLaw& pair : law.pairs()) {
+    Triple l = ContactLaw::gather(pair, data.getRawPtr()), jump = ContactLaw::gather(pair, jumps.getRawPtr());
+    if (!pair.turn) {
+      visit(pair, l, jump);
+      continue;
+    }
+    const auto T = pair.turn->toAxes(l[1], l[2]), slip = pair.turn->slipToAxes(jump[1], jump[2]);
+    visit(pair.alongAxes(), Triple{l[0], T[0], T[1]}, Triple{jump[0], slip[0], slip[1]});
+  }
 }
 
 }  // namespace
@@ -75,7 +83,7 @@ std::string KktErrors::worst() const {
 
 double largestContactForce(const ContactLaw& law, const Vector& lambda) {
   double largest = 0;
-  forEachPair(law, lambda, lambda, [&](std::size_t, const Triple& l, const Triple&) {
+  forEachPair(law, lambda, lambda, [&](const PairLaw&, const Triple& l, const Triple&) {
     largest = std::max(largest, std::hypot(l[0], l[1], l[2]));
   });
   return largest;
@@ -96,8 +104,8 @@ KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vect
 // Largest over all pairs of all ranks, each measure by itself: one reduction.
 KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef) {
   double mine[5] = {0, 0, 0, 0, 0}, all[5];
-  forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
-    const KktErrors e = measurePair(law.pairs()[i], l, jump, uRef, lRef);
+  forEachPair(law, lambda, s, [&](const PairLaw& pair, const Triple& l, const Triple& jump) {
+    const KktErrors e = measurePair(pair, l, jump, uRef, lRef);
     const double values[5] = {e.penetration, e.compression, e.complementarity, e.cone, e.slipLaw};
     for (int k = 0; k < 5; ++k) mine[k] = std::max(mine[k], values[k]);
   });
@@ -113,8 +121,8 @@ KktErrors measureContact(const ContactLaw& law, const Vector& lambda, const Vect
 
 std::vector<double> errorsOfPairs(const ContactLaw& law, const Vector& lambda, const Vector& s, double uRef, double lRef) {
   std::vector<double> errors;
-  forEachPair(law, lambda, s, [&](std::size_t i, const Triple& l, const Triple& jump) {
-    errors.push_back(largestOf(measurePair(law.pairs()[i], l, jump, uRef, lRef)));
+  forEachPair(law, lambda, s, [&](const PairLaw& pair, const Triple& l, const Triple& jump) {
+    errors.push_back(largestOf(measurePair(pair, l, jump, uRef, lRef)));
   });
   return errors;
 }

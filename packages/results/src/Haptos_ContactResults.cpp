@@ -11,6 +11,17 @@
 namespace Haptos {
 namespace {
 
+// From which t1 and t2 were turned.
+std::array<std::array<double, 3>, 2> axesOfFriction(const ContactPair& geometry) {
+  std::array<std::array<double, 3>, 2> axes{geometry.frame.t1, geometry.frame.t2};
+  if (const auto& turn = geometry.turn)
+    for (std::size_t d = 0; d < 3; ++d) {
+      axes[0][d] = turn->c * geometry.frame.t1[d] - turn->s * geometry.frame.t2[d];
+      axes[1][d] = turn->s * geometry.frame.t1[d] + turn->c * geometry.frame.t2[d];
+    }
+  return axes;
+}
+
 PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   PairResult result{};
   result.interface = interface;
@@ -18,28 +29,28 @@ PairResult startResult(const ContactPair& geometry, int interface, int pair) {
   result.secondaryNode = geometry.secondaryNode;
   result.area = geometry.area;
   result.size = geometry.size;
-  result.axis = geometry.frame.t1;
-  if (const auto& turn = geometry.turn)  // the axis of friction from which t1 was turned
-    for (int d = 0; d < 3; ++d) result.axis[d] = turn->c * geometry.frame.t1[d] - turn->s * geometry.frame.t2[d];
+  result.axis = axesOfFriction(geometry)[0];
   result.normal = geometry.frame.normal;
   result.secondary = geometry.secondary;
   result.primary = geometry.primary;
   return result;
 }
 
-// Multipliers act against the jump: the force on the secondary node is -(lambda_N n + lambda_T1 t1 + lambda_T2 t2).
+// Multipliers act against the jump: the force on the secondary node is -(lambda_N n + T1 t1 + T2 t2) along the axes of friction.
 PairResult describePair(const LocalPair& local, const PairLaw& law, const std::array<double, 3>& l,
                         const std::array<double, 3>& s, const StateScales& scales) {
   const ContactPair& geometry = local.geometry;
   PairResult result = startResult(geometry, local.interface, local.pair);
-  for (int d = 0; d < 3; ++d) {
-    result.tangentialForce[d] = -(l[1] * geometry.frame.t1[d] + l[2] * geometry.frame.t2[d]);
+  const auto axes = axesOfFriction(geometry);
+  const auto T = geometry.turn ? geometry.turn->toAxes(l[1], l[2]) : std::array<double, 2>{l[1], l[2]};
+  for (std::size_t d = 0; d < 3; ++d) {
+    result.tangentialForce[d] = -(T[0] * axes[0][d] + T[1] * axes[1][d]);
     result.force[d] = result.tangentialForce[d] - l[0] * geometry.frame.normal[d];
   }
   result.normalForce = l[0];
   result.pressure = l[0] / geometry.area;
   result.gap = -s[0];
-  if (law.frictional()) result.coefficients = law.coefficients;
+  if (law.frictional()) result.coefficients = law.alongAxes().coefficients;
   result.status = contactStatus(law, l, scales);
   return result;
 }

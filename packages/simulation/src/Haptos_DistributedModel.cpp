@@ -163,7 +163,6 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   for (const auto& sub : model.subdomains) model.work.elementsHeld += std::int64_t(sub.elements.size());
   model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces, draft.contacts)));
   checkPinnedRows(*comm, *model.multipliers, model.mesh, model.data);
-  notePrescribedSlips(*comm, *model.multipliers, model.mesh, model.data);
   for (const auto& interface : interfaces) model.unpaired.push_back(interface.unpaired);
   return model;
 }

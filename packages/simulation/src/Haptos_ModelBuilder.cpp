@@ -252,30 +252,7 @@ double sizeOf(const Communicator& comm, const MeshShare& mesh) {
   return std::max({-box[3] - box[0], -box[4] - box[1], -box[5] - box[2]});
 }
 
-// Of a pair that only one axis is left to.
-bool hasPrescribedSlip(const MultiplierMap& multipliers, const LocalPair& pair, const FrictionSpec& spec, double least) {
-  const auto F = pair.geometry.coefficients.value_or(spec.coefficients);
-  const auto isPinned = [&](int t) { return multipliers.pinned()[std::size_t(pair.tangential[t])] != 0; };
-  if (pair.tangential[0] < 0 || pair.tangential[1] < 0 || isPinned(0) == isPinned(1)) return false;
-  const int t = isPinned(0) ? 0 : 1;
-  return F[t] > 0 && std::abs(multipliers.c()[std::size_t(pair.tangential[t])]) > least;
-}
-
 }  // namespace
-
-void notePrescribedSlips(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, ModelData& data) {
-  constexpr double kRoundOff = 1e-9;
-  const double least = kRoundOff * sizeOf(comm, mesh);
-  std::vector<long> counts(data.interfaceNames.size(), 0);
-  for (const LocalPair& pair : multipliers.pairs())
-    counts[std::size_t(pair.interface)] += hasPrescribedSlip(multipliers, pair, data.friction[std::size_t(pair.interface)], least);
-  counts = sumOfAll(comm, counts);
-  for (std::size_t k = 0; k < counts.size(); ++k)
-    if (counts[k] > 0)
-      data.notes.push_back("'" + data.interfaceNames[k] + "': supports prescribe the slip of " + std::to_string(counts[k]) +
-                           " pairs along one axis of friction; friction along it is part of the reactions there, and along the other axis it is as if "
-                           "nothing slipped along the first: prescribe nodes that are not in contact");
-}
 
 void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data) {
   const auto overlap = firstPinnedOverlap(comm, multipliers, sizeOf(comm, mesh));

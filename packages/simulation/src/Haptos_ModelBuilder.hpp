@@ -96,9 +96,6 @@ std::vector<ContactInterface> pairSurfaces(const Communicator& comm, const MeshS
 /// \throws InsufficientModel on all ranks
 void checkPinnedRows(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, const ModelData& data);
 
-/// \brief Notes pairs with a slip that supports prescribe along one axis of friction, while the other one is free: the law does not see it there.  Collective.
-void notePrescribedSlips(const Communicator& comm, const MultiplierMap& multipliers, const MeshShare& mesh, ModelData& data);
-
 /// \brief Prescribed values of all Displacement conditions at the nodes of this rank's range, sorted by node and component.  Collective.
 /// \throws InputError on all ranks for a missing set, or for two conditions that differ at a node, naming both;
 /// round-off of the largest values of either is no difference.

@@ -54,6 +54,38 @@ struct Sheared {
   }
 };
 
+// Supports move all nodes across the plane, and those of the top along it.
+void drive(Sheared& sheared, double across) {
+  const auto comm = Tpetra::getDefaultComm();
+  const Mesh& mesh = sheared.filled.mesh;
+  for (std::size_t node = mesh.numNodes() / 2; node < mesh.numNodes(); ++node) {
+    if (int(node) % comm->getSize() != comm->getRank()) continue;
+    sheared.filled.system.prescribe(idOf(std::int64_t(node)), 1, across);
+    if (mesh.coordinates[node][2] > 1 - 1e-9) sheared.filled.system.prescribe(idOf(std::int64_t(node)), 0, 0.01);
+  }
+}
+
+// Largest difference of T to N F^2 s / |F s|, s what the node of the pair moved by, over the largest T.
+double errorOfSlipLaw(const Sheared& sheared, const Eigen::VectorXd& u, const std::array<double, 2>& F, const std::array<Point, 2>& axes) {
+  const auto comm = Tpetra::getDefaultComm();
+  const Mesh& mesh = sheared.filled.mesh;
+  const auto forces = sheared.filled.system.contactForces();
+  double mine[2] = {0, 0}, all[2];
+  auto force = forces.begin();
+  for (std::size_t node = mesh.numNodes() / 2; node < mesh.numNodes(); ++node) {
+    if (int(node) % comm->getSize() != comm->getRank() || mesh.coordinates[node][2] > 1e-9) continue;
+    std::array<double, 2> Fs;
+    for (std::size_t t = 0; t < 2; ++t) Fs[t] = F[t] * Eigen::Vector3d(axes[t].data()).dot(u.segment<3>(3 * Eigen::Index(node)));
+    for (std::size_t t = 0; t < 2; ++t) {
+      mine[0] = std::max(mine[0], std::abs((*force)[1 + t] - (*force)[0] * F[t] * Fs[t] / std::hypot(Fs[0], Fs[1])));
+      mine[1] = std::max(mine[1], std::abs((*force)[1 + t]));
+    }
+    ++force;
+  }
+  Teuchos::reduceAll(*comm, Teuchos::REDUCE_MAX, 2, mine, all);
+  return all[0] / all[1];
+}
+
 }  // namespace
 
 // As a Newton method of an application does, which looks for contact anew where it linearises.
@@ -233,14 +265,6 @@ TEUCHOS_UNIT_TEST(ChangedSystem, FrictionInPlaneStrainHasOneDirection) {
 // Supports drive the block across the plane and its top along it: friction has the direction of the whole slip.
 TEUCHOS_UNIT_TEST(ChangedSystem, FrictionSeesASlipThatIsDriven) {
   const auto comm = Tpetra::getDefaultComm();
-  const auto drive = [&](Sheared& sheared, double across) {
-    const Mesh& mesh = sheared.filled.mesh;
-    for (std::size_t node = mesh.numNodes() / 2; node < mesh.numNodes(); ++node) {
-      if (int(node) % comm->getSize() != comm->getRank()) continue;
-      sheared.filled.system.prescribe(idOf(std::int64_t(node)), 1, across);
-      if (mesh.coordinates[node][2] > 1 - 1e-9) sheared.filled.system.prescribe(idOf(std::int64_t(node)), 0, 0.01);
-    }
-  };
   const auto forcesOf = [&](Sheared& sheared, const Point& t1, const Point& t2) {
     double mine[3] = {0, 0, 0}, all[3];
     for (const auto& force : sheared.filled.system.contactForces()) {
@@ -270,6 +294,31 @@ TEUCHOS_UNIT_TEST(ChangedSystem, FrictionSeesASlipThatIsDriven) {
   Sheared orthotropic({0.3, 0.2}, {1, 0, 0});
   drive(orthotropic, 0.0);
   TEST_ASSERT(difference(orthotropic.solve(), changed.solve()) < 1e-7);
+}
+
+// Along an axis of friction, and coefficients differ: forces follow the law along both axes, whichever of them is driven.
+TEUCHOS_UNIT_TEST(ChangedSystem, OrthotropicFrictionSeesASlipThatIsDriven) {
+  const std::array<Point, 2> alongX{{{1, 0, 0}, {0, -1, 0}}}, alongY{{{0, 1, 0}, {1, 0, 0}}};  // the normal is (0, 0, -1)
+  for (const std::array<double, 2>& F : {std::array{0.3, 0.1}, std::array{0.1, 0.3}, std::array{0.3, 3e-4}, std::array{3e-4, 0.3}})
+    for (const auto& axes : {alongX, alongY}) {
+      Sheared sheared(F, axes[0]);
+      drive(sheared, 0.05);
+      const Eigen::VectorXd u = sheared.solve();
+      TEST_ASSERT(sheared.filled.outcome.solved && sheared.filled.outcome.multiplications <= 40);
+      TEST_COMPARE(errorOfSlipLaw(sheared, u, F, axes), <, 1e-5);
+    }
+  // Coefficients of another ratio are other rows, a common factor is none.
+  Sheared changed({0.2, 0.2}, {1, 0, 0}), same({0.3, 0.1}, {1, 0, 0});
+  drive(changed, 0.05);
+  drive(same, 0.05);
+  changed.solve();
+  for (const std::array<double, 2>& F : {std::array{0.0, 0.0}, std::array{0.3, 0.0}, std::array{0.15, 0.05}, std::array{0.3, 0.1}}) {
+    changed.filled.system.setFriction(0, {FrictionLaw::Coulomb, F, 0, false});
+    changed.solve();
+    TEST_ASSERT(changed.filled.outcome.solved);
+  }
+  TEST_ASSERT(difference(changed.solve(), same.solve()) < 1e-7);
+  TEST_COMPARE(errorOfSlipLaw(changed, same.solve(), {0.3, 0.1}, alongX), <, 1e-5);
 }
 
 // A block between two obstacles that are nearer to each other than it is thick: no load, no support.

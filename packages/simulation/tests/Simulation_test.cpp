@@ -268,37 +268,3 @@ TEUCHOS_UNIT_TEST(Simulation, ModelIsTheSameOnOneRank) {
   }
   TEST_FLOATING_EQUALITY(many.simulation->system().f().norm2(), one.simulation->system().f().norm2(), 1e-13);
 }
-
-// Friction along an axis whose slip a support prescribes does not reach the other axis: that is told, with the number of pairs.
-TEUCHOS_UNIT_TEST(Simulation, PrescribedSlipIsToldOf) {
-  const auto notesWith = [](double slip, const std::vector<double>& direction, const std::vector<double>& coefficients = {0.3, 0.2}) {
-    ParameterList list = barParameters();
-    auto& clamp = list.sublist("Boundary Conditions").sublist("clamp");
-    clamp.set<std::string>("Components", "xz");
-    clamp.set("Value", numbers({0.0, 0.0}));
-    auto& drag = list.sublist("Boundary Conditions").sublist("drag");
-    drag.set<std::string>("Type", "Displacement");
-    drag.set("Sets", names({"top"}));
-    drag.set<std::string>("Components", "y");
-    drag.set("Value", numbers({slip}));
-    auto& floor = list.sublist("Contact").sublist("floor");
-    floor.set<std::string>("Secondary Side Set", "top");
-    floor.sublist("Rigid Plane").set("Point", numbers({0, 0, 1}));
-    floor.sublist("Rigid Plane").set("Normal", numbers({0, 0, -1}));
-    floor.sublist("Friction").set<std::string>("Law", "Coulomb");
-    floor.sublist("Friction").set("Coefficients", numbers(coefficients));
-    floor.sublist("Friction").set("Principal Direction", numbers(direction));
-    list.sublist("Boundary Conditions").remove("pull");
-    const SourceMesh source = bar();
-    Simulation simulation(Tpetra::getDefaultComm(), validatedParameters(list), nullptr, &source);
-    simulation.prepare();
-    return simulation.report().model.notes;
-  };
-  const auto isTold = [](const std::vector<std::string>& notes, const std::string& part) {
-    return std::any_of(notes.begin(), notes.end(), [&](const std::string& note) { return contains(note, part); });
-  };
-  TEST_ASSERT(isTold(notesWith(0.01, {1, 0, 0}), "'floor': supports prescribe the slip of 36 pairs"));
-  TEST_ASSERT(!isTold(notesWith(0.01, {1, 1, 0}), "prescribe the slip"));
-  TEST_ASSERT(!isTold(notesWith(0.0, {1, 0, 0}), "prescribe the slip"));
-  TEST_ASSERT(!isTold(notesWith(0.01, {1, 0, 0}, {0.3, 0.3}), "prescribe the slip"));  // other axes do as well
-}

@@ -48,9 +48,14 @@ SystemOptions readSystemOptions(const ParameterList& list) {
   return options;
 }
 
-// Which axes rows have may depend on values that are prescribed, and on whether coefficients are equal.  Collective.
+// Whether rows that are turned half way have the same stretch with both.
+bool areProportional(const std::array<double, 2>& F, const std::array<double, 2>& G) {
+  return F[0] * G[1] == F[1] * G[0] && (F[0] > 0) == (G[0] > 0) && (F[1] > 0) == (G[1] > 0);
+}
+
+// Which axes rows have, and which are left out, may depend on values that are prescribed and on the ratio of coefficients.  Collective.
 bool areTurnedAlike(const Communicator& comm, const MultiplierMap& a, const MultiplierMap& b) {
-  const auto isAlike = [](const LocalPair& p, const LocalPair& q) { return p.geometry.turn == q.geometry.turn; };
+  const auto isAlike = [](const LocalPair& p, const LocalPair& q) { return p.geometry.turn == q.geometry.turn && p.geometry.isPinned == q.geometry.isPinned; };
   return !anyOfAll(comm, !std::equal(a.pairs().begin(), a.pairs().end(), b.pairs().begin(), b.pairs().end(), isAlike));
 }
 
@@ -299,7 +304,7 @@ void ContactSystem::setFriction(int interface, const FrictionSpec& friction) {
   const InterfaceRows before = interfaceRows("", own), after = interfaceRows("", friction);
   Impl::Changes& changes = impl_->changes;
   changes.rows = changes.rows || before.tied != after.tied || before.frictional != after.frictional;
-  changes.values = changes.values || before.isIsotropic != after.isIsotropic;
+  changes.values = changes.values || !areProportional(own.coefficients, friction.coefficients);
   changes.laws = true;  // read anew with rows, too
   own = friction;
 }

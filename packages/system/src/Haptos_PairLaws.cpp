@@ -3,6 +3,7 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "Haptos_Reductions.hpp"
@@ -11,17 +12,20 @@ namespace Haptos {
 
 namespace {
 
-// Of the axes of friction, or of the one direction that a pair may slip in.
+// Of rows: along the axes of friction, along the one direction that a pair may slip in, or of all directions where rows are stretched.
 std::array<double, 2> coefficientsOf(const ContactPair& pair, const FrictionSpec& spec) {
   const std::array<double, 2> F = pair.coefficients.value_or(spec.coefficients);
-  if (!pair.turn || !pair.turn->isOnly) return F;
-  return {std::hypot(F[0] * pair.turn->c, F[1] * pair.turn->s), 0.0};
+  const auto& turn = pair.turn;
+  if (!turn) return F;
+  if (turn->isOnly) return {std::hypot(F[0] * turn->c, F[1] * turn->s), 0.0};
+  const double largest = std::max(F[0] / turn->stretch[0], F[1] / turn->stretch[1]);  // both are the same but for round-off
+  return {largest, largest};
 }
 
 }  // namespace
 
 InterfaceRows interfaceRows(const std::string& name, const FrictionSpec& friction) {
-  return {name, friction.tied, friction.law != FrictionLaw::Frictionless, friction.coefficients[0] == friction.coefficients[1]};
+  return {name, friction.tied, friction.law != FrictionLaw::Frictionless, friction.coefficients};
 }
 
 // A tangential row that is missing or pinned has coefficient 0: the law then pins its force.
@@ -33,6 +37,7 @@ ContactLaw makeContactLaw(const MultiplierMap& multipliers, const std::vector<Fr
                 spec.slipBound * pair.geometry.area, spec.law, multipliers.pinned()[pair.normal] != 0};
     for (int t = 0; t < 2; ++t)
       if (law.tangential[t] < 0 || multipliers.pinned()[law.tangential[t]]) law.coefficients[t] = 0;
+    if (pair.geometry.turn && pair.geometry.turn->isStretched()) law.turn = pair.geometry.turn;
     laws.push_back(law);
   }
   return ContactLaw(std::move(laws));
