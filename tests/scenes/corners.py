@@ -46,8 +46,16 @@ def material(name, block, young, poisson):
 
 
 def coulomb(coefficients, axis):
-    return listed("Friction", parameter("Law", "string", "Coulomb"), parameter("Coefficients", "Array(double)", array(coefficients)),
-                  parameter("Principal Direction", "Array(double)", array(axis)))
+    return _friction("Coulomb", coefficients, axis)
+
+
+def tresca(coefficients, axis, bound):
+    return _friction("Tresca", coefficients, axis, parameter("Slip Bound", "double", bound))
+
+
+def _friction(law, coefficients, axis, *more):
+    return listed("Friction", parameter("Law", "string", law), parameter("Coefficients", "Array(double)", array(coefficients)),
+                  parameter("Principal Direction", "Array(double)", array(axis)), *more)
 
 
 def hold(name, sets, components):

@@ -17,7 +17,7 @@ import corners  # ends with 77 where modules are missing
 import numpy as np
 import random_scenes
 from certificate import _contact_errors, _multipliers, read_fields
-from corners import array, coulomb, hold, listed, material, parameter, problem
+from corners import array, coulomb, hold, listed, material, parameter, problem, tresca
 from haptos_exodus import Block, ExodusMesh, NodeSet
 from interfaces import interfaces_of
 from random_scenes import BodyMesh, Written
@@ -43,14 +43,15 @@ class Driven(Written):
         self.far = float(10 ** rng.uniform(-4, 1) * rng.choice([-1, 1]))
         self.is_free, along, part = bool(rng.random() < 0.5), math.radians(self.angle), rng.uniform(-0.95, 0.95)
         self.pull = float(part * min(0.3, math.hypot(self.friction[0] * math.cos(along), self.friction[1] * math.sin(along))))     # tips beyond .3
-        self.law, self.slip_bound, self.gap, self.plane, self.bodies = "Coulomb", 0.0, 0.0, self.kind == "plane", len(self.divisions)
+        self.gap, self.plane, self.bodies = 0.0, self.kind == "plane", len(self.divisions)
+        self.law, self.slip_bound = ("Tresca", float(rng.uniform(0.5, 2))) if rng.random() < 0.2 and not self.is_free else ("Coulomb", 0.0)
 
     def is_mortar(self, _body):
         return self.kind == "mortar" or self.shape == "TETRA10"
 
     def describe(self):
         divisions = " on ".join("x".join(map(str, d)) for d in reversed(self.divisions))
-        return (f"{self.shape} {divisions}, {self.kind}{'' if self.whole else ', the surface alone'}, ({self.friction[0]:.2g}, {self.friction[1]:.2g}) "
+        return (f"{self.shape} {divisions}, {self.kind}{'' if self.whole else ', the surface alone'}, {self.law} ({self.friction[0]:.2g}, {self.friction[1]:.2g}) "
                 f"at {self.angle:.0f}, {self.far:.2g} of the strain{f', pulled by {self.pull:.2g}' if self.is_free else ''}")
 
     def mesh(self):
@@ -71,9 +72,9 @@ class Driven(Written):
         primary = parameter("Primary Side Set", "string", "top0")
         if upper == 0:
             primary = listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", "{0.0, 0.0, 1.0}"))
-        angle = math.radians(self.angle)
-        contact = listed("dragged", parameter("Secondary Side Set", "string", f"bottom{upper}"), primary,
-                         coulomb(self.friction, [round(math.cos(angle), 15), round(math.sin(angle), 15), 0]))
+        axis = [round(math.cos(math.radians(self.angle)), 15), round(math.sin(math.radians(self.angle)), 15), 0]
+        friction = tresca(self.friction, axis, self.slip_bound) if self.law == "Tresca" else coulomb(self.friction, axis)
+        contact = listed("dragged", parameter("Secondary Side Set", "string", f"bottom{upper}"), primary, friction)
         return problem(name, 8, materials, self.conditions(upper), [contact])
 
     def conditions(self, upper):
