@@ -58,9 +58,13 @@ def _friction(law, coefficients, axis, *more):
                   parameter("Principal Direction", "Array(double)", array(axis)), *more)
 
 
-def hold(name, sets, components):
+def hold(name, sets, components, value=0.0):
     return listed(name, parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", array(sets)),
-                  parameter("Components", "string", components), parameter("Value", "Array(double)", array([0.0] * len(components))))
+                  parameter("Components", "string", components), parameter("Value", "Array(double)", array([value] * len(components))))
+
+
+def rigid_plane(normal):
+    return listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", array(normal)))
 
 
 def problem(name, subdomains, materials, conditions, contacts):
@@ -118,8 +122,7 @@ class Corner(Written):
         return problem(name, self.subdomains, materials, self.conditions(), contacts)
 
     def plane(self, side):
-        normal = {"left": (1, 0, -self.lean), "front": (0, 1, 0), "bottom": (0, 0, 1)}[side[:-1]]
-        return listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", array(normal)))
+        return rigid_plane({"left": (1, 0, -self.lean), "front": (0, 1, 0), "bottom": (0, 0, 1)}[side[:-1]])
 
     def conditions(self):
         boxes = [sum(map(len, self.bodies)) - 1] if self.kind == "groove" else range(len(self.bodies))

@@ -16,8 +16,8 @@ import sys
 import corners  # ends with 77 where modules are missing
 import numpy as np
 import random_scenes
-from certificate import _contact_errors, _multipliers, read_fields
-from corners import array, coulomb, hold, listed, material, parameter, problem, tresca
+from certificate import _contact_errors, _multipliers, exchanged_sides, read_fields
+from corners import array, coulomb, hold, listed, material, parameter, problem, rigid_plane, tresca
 from haptos_exodus import Block, ExodusMesh, NodeSet
 from interfaces import interfaces_of
 from random_scenes import BodyMesh, Written
@@ -69,9 +69,7 @@ class Driven(Written):
     def input(self, name):
         upper = len(self.divisions) - 1
         materials = [material(f"material{b}", f"body{b}", E, 0.3) for b, E in enumerate(self.young)]
-        primary = parameter("Primary Side Set", "string", "top0")
-        if upper == 0:
-            primary = listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", "{0.0, 0.0, 1.0}"))
+        primary = rigid_plane((0, 0, 1)) if self.plane else parameter("Primary Side Set", "string", "top0")
         axis = [round(math.cos(math.radians(self.angle)), 15), round(math.sin(math.radians(self.angle)), 15), 0]
         friction = tresca(self.friction, axis, self.slip_bound) if self.law == "Tresca" else coulomb(self.friction, axis)
         contact = listed("dragged", parameter("Secondary Side Set", "string", f"bottom{upper}"), primary, friction)
@@ -79,22 +77,19 @@ class Driven(Written):
 
     def conditions(self, upper):
         top, dragged = f"top{upper}", f"all{upper}" if self.whole else f"bottom{upper}"
-        moved = lambda name, sets, component, value: listed(name, parameter("Type", "string", "Displacement"), parameter("Sets", "Array(string)", f"{{{sets}}}"),
-                                                            parameter("Components", "string", component), parameter("Value", "Array(double)", array([value])))
-        along = moved("along", top, "x", self.pull / min(self.young))
+        along = hold("along", [top], "x", self.pull / min(self.young))
         if self.is_free:
             along = listed("along", parameter("Type", "string", "Traction"), parameter("Sets", "Array(string)", f"{{{top}}}"),
                            parameter("Value", "Array(double)", array([self.pull, 0.0, 0.0])))
         press = listed("press", parameter("Type", "string", "Pressure"), parameter("Value", "double", "1.0"), parameter("Sets", "Array(string)", f"{{{top}}}"))
-        conditions = [press, along, moved("drag", dragged, "y", self.far / min(self.young))]
+        conditions = [press, along, hold("drag", [dragged], "y", self.far / min(self.young))]
         return conditions + [hold("clamp", ["bottom0"], "xyz"), hold("across", ["all0"], "y")] * (upper > 0)
 
     def error(self, folder):
         """max | T - P(T + l_ref / u_ref s) | / l_ref of the result file, by rows of the certificate's own."""
         u, force = read_fields(pathlib.Path(folder) / "result.exo")
         mesh, summary = self.mesh(), json.loads((pathlib.Path(folder) / "summary.json").read_text())
-        exchanged = ["top0"] * ("exchanged: 'top0'" in " ".join(summary["model"]["notes"] + summary["model"]["left_out"]))
-        found = [(item, *_multipliers(item, force)) for item in interfaces_of(self, mesh, np.zeros(len(u), bool), exchanged)]
+        found = [(item, *_multipliers(item, force)) for item in interfaces_of(self, mesh, np.zeros(len(u), bool), exchanged_sides(summary))]
         u_ref, l_ref = np.linalg.norm(u, axis=1).max(), max(np.linalg.norm(l, axis=1).max() for _, l, _ in found)
         return max(_contact_errors(self, found, u, l_ref, u_ref).values())
 

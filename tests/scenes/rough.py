@@ -13,7 +13,7 @@ import sys
 import corners  # ends with 77 where modules are missing
 import numpy as np
 import random_scenes
-from corners import array, coulomb, hold, listed, material, parameter, problem
+from corners import array, coulomb, hold, listed, material, parameter, problem, rigid_plane
 from haptos_exodus import Block, ExodusMesh, SideSet
 from random_scenes import BodyMesh, Written
 
@@ -82,9 +82,7 @@ class Rough(Written):
         upper = len(self.divisions) - 1
         materials = [material(f"material{b}", f"body{b}", E, 0.3) for b, E in enumerate(self.young)]
         friction = coulomb(self.friction, (math.cos(self.angle), math.sin(self.angle), 0))
-        primary = parameter("Primary Side Set", "string", "top0")
-        if self.on_plane:
-            primary = listed("Rigid Plane", parameter("Point", "Array(double)", "{0.0, 0.0, 0.0}"), parameter("Normal", "Array(double)", "{0.0, 0.0, 1.0}"))
+        primary = rigid_plane((0, 0, 1)) if self.on_plane else parameter("Primary Side Set", "string", "top0")
         contact = listed("rough", parameter("Secondary Side Set", "string", f"bottom{upper}"), primary, friction)
         return problem(name, 6, materials, self.conditions(upper), [contact])
 

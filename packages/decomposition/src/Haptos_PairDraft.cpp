@@ -120,10 +120,12 @@ void dropRoundOff(LocalFrame& frame) {
 // c of a row is its gap minus what prescribed displacements contribute to the jump.
 void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, PairDraft& draft) {
   ContactPair& pair = draft.placed.pair;
-  const SlipLeft left = slipLeft(directory, draft);
-  const bool hasTangential = interface.frictional && !interface.tied;
-  if (hasTangential) keepDrivenRows(left, pair);
-  if (hasTangential && !pair.isPinned[1] && !pair.isPinned[2]) turnAxes(pair.coefficients.value_or(interface.coefficients), left, pair);
+  SlipLeft left;
+  if (interface.frictional && !interface.tied) {
+    left = slipLeft(directory, draft);
+    keepDrivenRows(left, pair);
+    if (!pair.isPinned[1] && !pair.isPinned[2]) turnAxes(pair.coefficients.value_or(interface.coefficients), left, pair);
+  }
   dropRoundOff(pair.frame);
   const LocalFrame& frame = pair.frame;
   draft.axes = {frame.normal, frame.t1, frame.t2};
@@ -144,7 +146,7 @@ void makeRows(const NodeDirectory& directory, const InterfaceRows& interface, Pa
         else if (weight != 0 && draft.acts(a, d, record)) share.pinned[a] = 0;
       }
   }
-  if (!pair.turn || !pair.turn->isStretched()) return;
+  if (!pair.turn || !pair.turn->isStretched()) return;  // else axes say what is prescribed
   const auto driven = pair.turn->slipOfRows(left.prescribed[0], left.prescribed[1]);
   for (std::size_t t = 0; t < 2; ++t) share.c[t + 1] = -driven[t];
 }

@@ -72,6 +72,11 @@ def clamped_nodes(scene, mesh):
     return clamped
 
 
+def exchanged_sides(summary):
+    """Names of side sets that are secondary though the input says primary."""
+    return re.findall(r"exchanged: '(\w+)'", " ".join(summary["model"]["notes"] + summary["model"]["left_out"]))
+
+
 def certify(scene, mesh, summary, path):
     """The contract's measures of the written field, and the field_equilibrium that the last digits of displacements leave.
 
@@ -83,8 +88,7 @@ def certify(scene, mesh, summary, path):
     residual = load + force - elastic
     clamped = clamped_nodes(scene, mesh)
     external = max(np.linalg.norm(load), np.linalg.norm(residual[clamped]))
-    exchanged = re.findall(r"exchanged: '(\w+)'", " ".join(summary["model"]["notes"] + summary["model"]["left_out"]))
-    found = [(item, *_multipliers(item, force)) for item in interfaces.interfaces_of(scene, mesh, clamped, exchanged)]
+    found = [(item, *_multipliers(item, force)) for item in interfaces.interfaces_of(scene, mesh, clamped, exchanged_sides(summary))]
     u_ref, l_ref = np.linalg.norm(u, axis=1).max(), max(np.linalg.norm(l, axis=1).max(initial=0) for _, l, _ in found)
     l_ref = max(l_ref, 1e-3 * max(np.linalg.norm(load, axis=1).max(), np.linalg.norm(residual[clamped], axis=1).max(initial=0)))
     errors = _contact_errors(scene, found, u, l_ref, u_ref)
