@@ -7,14 +7,6 @@
 
 namespace Haptos {
 
-/// \brief How thin a subdomain is, by its nodes alone.
-struct PartShape {
-  double aspect = 1;     ///< its longest extent over its thickness, bent parts included
-  /// What a node that moves alone meets over what the diagonal of K has for it: 1, but less in slender parts of flat or long elements, which are stiff
-  /// across their thickness alone, and yield there where nothing touches their other side (decisions/058).
-  double nodeStiffness = 1;
-};
-
 /// \brief What elements fill.
 struct PartVolume {
   double volume = 0;
@@ -22,9 +14,11 @@ struct PartVolume {
   Eigen::Matrix3d second = Eigen::Matrix3d::Zero();   ///< of x x^T
 };
 
-/// \brief \param coordinates [nodes] \param neighbours of each node, those that K couples it with, itself included
+/// \brief How thin a subdomain is, bent ones included: its longest extent over its thickness.
+///
+/// \param coordinates [nodes] \param neighbours of each node, those that K couples it with, itself included
 /// \param volume of the elements, where these are known
-PartShape shapeOfPart(const Coordinates& coordinates, const IndexLists& neighbours, const PartVolume& volume = {});
+double aspectOfPart(const Coordinates& coordinates, const IndexLists& neighbours, const PartVolume& volume = {});
 
 /// \brief Ratio of the extents along the principal axes, longest over shortest; infinite where all nodes lie in a plane.
 double aspectOf(const Coordinates& coordinates);

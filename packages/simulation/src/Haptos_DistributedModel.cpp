@@ -4,10 +4,8 @@
 #include <Teuchos_Comm.hpp>
 #include <algorithm>
 #include <numeric>
-#include <set>
 #include <utility>
 
-#include "Haptos_BodyMeans.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_NodalGather.hpp"
 #include "Haptos_NodeNeighbours.hpp"
@@ -18,6 +16,7 @@
 #include "Haptos_StiffnessAssembler.hpp"
 #include "Haptos_SubdomainCopies.hpp"
 #include "Haptos_SubdomainOrder.hpp"
+#include "Haptos_ThinBodies.hpp"
 #include "Haptos_UnpairedNodes.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -84,51 +83,30 @@ void deal(const OwnElements& own, const OrderedPartition& parts, const std::vect
   model.subdomains = dealSubdomains(*model.comm, own, partition, rankOf, materialOfBlock);
 }
 
-// [bodies] how many sides of contacts and ties they have.
-std::vector<int> countContactSides(const DistributedModel& model, const std::vector<ContactSpec>& contacts) {
-  std::set<int> sets;
-  for (const auto& contact : contacts)
-    for (const auto* name : {&contact.secondarySideSet, &contact.primarySideSet})
-      if (!name->empty()) sets.insert(findSideSet(model.mesh.part, *name));
-  std::set<std::array<int, 2>> met;  // body, side set
-  for (const auto& sub : model.subdomains)
-    for (const auto& side : sub.sides)
-      if (sets.count(side.sideSet) > 0) met.insert({sub.body, side.sideSet});
-  const auto all = gatheredOnAll(*model.comm, std::vector<std::array<int, 2>>(met.begin(), met.end()));
-  std::vector<int> counts(model.data.bodyNames.size(), 0);
-  for (const auto& [body, set] : std::set<std::array<int, 2>>(all.begin(), all.end())) ++counts[std::size_t(body)];
-  return counts;
-}
-
-// What subdomains hold their nodes with, and how thin they are.  Nodes of a layer that others touch from both sides do not yield across it.
-std::vector<SubdomainNodes> weighNodes(DistributedModel& model, const std::vector<ContactSpec>& contacts) {
-  const auto sides = countContactSides(model, contacts);
+// What subdomains hold their nodes with, by the diagonals of K and by what nodes of thin bodies meet; how thin they are.
+std::vector<SubdomainNodes> weighNodes(DistributedModel& model, const std::vector<PlacedPair>& pairs) {
   std::vector<double> youngsModulus;
   for (const auto& material : model.data.materials) youngsModulus.push_back(material.youngsModulus);
   std::vector<SubdomainNodes> result;
-  std::vector<int> bodies;
-  std::vector<double> yields;
+  std::vector<PartOfBody> parts;
   runOnAllRanks(*model.comm, [&] {
     for (const auto& sub : model.subdomains) {
       PartVolume volume;
+      const auto neighbours = [&sub] { return nodeNeighbours(sub.numNodes(), sub.groups); };
       result.push_back({sub.id, sub.nodes, nodalStiffness(sub.coordinates, sub.groups, youngsModulus, &volume)});
-      const PartShape shape = shapeOfPart(sub.coordinates, nodeNeighbours(sub.numNodes(), sub.groups), volume);
-      model.aspects.push_back(shape.aspect);
-      bodies.push_back(sub.body);
-      yields.push_back(sides[std::size_t(sub.body)] > 1 ? 1.0 : shape.nodeStiffness);
+      model.aspects.push_back(aspectOfPart(sub.coordinates, neighbours(), volume));
+      parts.push_back({sub.body, model.aspects.back(), sub.coordinates, neighbours});
     }
   });
-  takeMeansOfBodies(*model.comm, bodies, yields);  // bodies are weighed against each other, gluing rows as they were
-  for (std::size_t i = 0; i < result.size(); ++i)
-    for (double& value : result[i].stiffness) value *= yields[i];
+  weighThinBodies(*model.comm, model.mesh.nodes, parts, pairs, result);
   return result;
 }
 
-RowSources rowSources(DistributedModel& model, const std::vector<ContactInterface>& interfaces, const std::vector<ContactSpec>& contacts) {
+RowSources rowSources(DistributedModel& model, const std::vector<ContactInterface>& interfaces) {
   RowSources sources;
-  sources.subdomains = weighNodes(model, contacts);
-  sources.prescribed = model.prescribed;
   sources.pairs = placedPairs(interfaces);
+  sources.subdomains = weighNodes(model, sources.pairs);
+  sources.prescribed = model.prescribed;
   for (std::size_t k = 0; k < model.data.friction.size(); ++k)
     sources.interfaces.push_back(interfaceRows(model.data.interfaceNames[k], model.data.friction[k]));
   return sources;
@@ -161,7 +139,7 @@ DistributedModel distributeModel(const RCP<const Communicator>& comm, const RunO
   deal(own, parts, draft.materialOfBlock, model);
   model.work = {own.elements.count(own.rank), own.nodes.count(own.rank), parts.partition.elementsCut, 0, draft.surfaceElements};
   for (const auto& sub : model.subdomains) model.work.elementsHeld += std::int64_t(sub.elements.size());
-  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces, draft.contacts)));
+  model.multipliers = Teuchos::rcp(new MultiplierMap(comm, rowSources(model, interfaces)));
   checkPinnedRows(*comm, *model.multipliers, model.mesh, model.data);
   for (const auto& interface : interfaces) model.unpaired.push_back(interface.unpaired);
   return model;

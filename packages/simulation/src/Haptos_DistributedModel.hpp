@@ -31,7 +31,7 @@ struct DistributedModel {
   ModelData data;                     ///< the same on all ranks
   MeshShare mesh;                     ///< this rank's ranges of nodes and elements, as they were read
   std::vector<Subdomain> subdomains;  ///< this rank's, contiguous in their global numbers
-  std::vector<double> aspects;        ///< [this rank's subdomains] see PartShape
+  std::vector<double> aspects;        ///< [this rank's subdomains] see `aspectOfPart`
   int firstSubdomain = 0, numSubdomains = 0;
   long primalUnknowns = 0;            ///< n, over all ranks
   RCP<const MultiplierMap> multipliers;

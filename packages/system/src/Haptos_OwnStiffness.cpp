@@ -9,7 +9,7 @@
 #include "Haptos_DenseDecompositions.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_Format.hpp"
-#include "Haptos_IndexLists.hpp"
+#include "Haptos_PartShape.hpp"
 #include "Haptos_RigidBodyModes.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
@@ -198,8 +198,10 @@ OwnStiffness::OwnStiffness(std::vector<Part> parts) : parts_(std::move(parts)) {
 void OwnStiffness::look(int i, const Eigen::Ref<const SparseMatrix>& K) {
   requireSymmetry(part(i), K);
   kernels_.push_back(kernelOf(part(i), K));
-  shapes_.push_back(shapeOfPart(coordinates(i), nodeNeighbours(K)));
+  aspects_.push_back(aspectOfPart(coordinates(i), nodeNeighbours(K)));
 }
+
+IndexLists OwnStiffness::neighbours(int i) const { return nodeNeighbours(assemble(i)); }
 
 // K is symmetric: its rows as they come are its columns, where their entries are in order.  Otherwise a transposition brings them there.
 SparseMatrix OwnStiffness::assemble(int i) const {

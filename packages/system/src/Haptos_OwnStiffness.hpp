@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "Haptos_PartShape.hpp"
+#include "Haptos_IndexLists.hpp"
 #include "Haptos_SubdomainStiffness.hpp"
 #include "Haptos_Types_fwd.hpp"
 
@@ -34,7 +34,8 @@ class OwnStiffness final : public SubdomainStiffness {
   bool isAssembled() const override { return true; }
   void multiply(int i, const Eigen::Ref<const Eigen::VectorXd>& u, Eigen::Ref<Eigen::VectorXd> Ku) const override;
 
-  const PartShape& shape(int i) const { return shapes_[std::size_t(i)]; }
+  double aspect(int i) const { return aspects_[std::size_t(i)]; }  ///< see `aspectOfPart`
+  IndexLists neighbours(int i) const;  ///< nodes that K couples a node with, itself included
 
   /// \brief Means of the diagonal at every node [nodes]: what the subdomain holds a node with.
   std::vector<double> nodalStiffness(int i) const;
@@ -45,7 +46,7 @@ class OwnStiffness final : public SubdomainStiffness {
 
   std::vector<Part> parts_;
   std::vector<Eigen::MatrixXd> kernels_;
-  std::vector<PartShape> shapes_;
+  std::vector<double> aspects_;
 };
 
 /// \brief Orthonormal basis of the rigid motions that cost no energy, measured against diag K; none: no columns.

@@ -24,6 +24,7 @@
 #include "Haptos_RemoteRows.hpp"
 #include "Haptos_Rendezvous.hpp"
 #include "Haptos_SystemChecks.hpp"
+#include "Haptos_ThinBodies.hpp"
 #include "Haptos_TpetraCompat.hpp"
 #include "Haptos_Vec3.hpp"
 
@@ -150,7 +151,7 @@ SystemModel SystemInput::deal(const DecompositionOptions& options) {
   model.gather = gather_;
   model.nameOfNode = [this](std::int64_t node) { return nameOfNode(node); };
   model.multipliers = makeRows();
-  for (int i = 0; i < stiffness_->size(); ++i) model.aspects.push_back(stiffness_->shape(i).aspect);
+  for (int i = 0; i < stiffness_->size(); ++i) model.aspects.push_back(stiffness_->aspect(i));
   return model;
 }
 
@@ -332,11 +333,15 @@ std::vector<PlacedPair> SystemInput::placePairs(double size) {
 // From what is there now: rows are made anew after any change of pairs or of what is prescribed where.
 RCP<const MultiplierMap> SystemInput::makeRows() {
   RowSources sources;
-  for (std::size_t i = 0; i < dealt_.size(); ++i)
+  std::vector<PartOfBody> parts;
+  for (std::size_t i = 0; i < dealt_.size(); ++i) {
     // Nodal stiffnesses weigh the copies of a node in contact rows, which therefore change with K.
     sources.subdomains.push_back({first_ + int(i), nodes_[i], stiffness_->nodalStiffness(int(i))});
+    parts.push_back({dealt_[i].body, stiffness_->aspect(int(i)), stiffness_->coordinates(int(i)), [this, i] { return stiffness_->neighbours(int(i)); }});
+  }
   const double size = this->size();
   sources.pairs = placePairs(size);
+  weighThinBodies(*comm_, gather_->nodes(), parts, sources.pairs, sources.subdomains);
   sources.prescribed = collectPrescribed();
   // The check of the answer looks at nodes where the mean of their copies is made.
   prescribedHere_ = sendItems(*comm_, sources.prescribed, [&](const auto& p) { return gather_->nodes().owner(p.node); });

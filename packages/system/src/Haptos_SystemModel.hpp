@@ -19,7 +19,7 @@ struct SystemModel {
   std::shared_ptr<const SubdomainStiffness> stiffness;  ///< of this rank's subdomains, contiguous in their global numbers
   /// For the preconditioner where K is nearly incompressible (what F does not mirror), on the same nodes; null: the same.
   std::shared_ptr<const SubdomainStiffness> softened;
-  std::vector<double> aspects;  ///< [local subdomains] see PartShape
+  std::vector<double> aspects;  ///< [local subdomains] see `aspectOfPart`
   bool isHard = false;  ///< elements for which the preconditioner is known to be poor; the same on all ranks
   int firstSubdomain = 0;
   std::vector<int> bodies, pieces;          ///< [local subdomains]; pieces of a body are joined by nodes or edges alone, and may turn there

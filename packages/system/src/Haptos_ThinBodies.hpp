@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: BSD-3-Clause
+#pragma once
+#include <functional>
+#include <vector>
+
+#include "Haptos_Communication.hpp"
+#include "Haptos_ConstraintRows.hpp"
+#include "Haptos_EvenRanges.hpp"
+#include "Haptos_IndexLists.hpp"
+#include "Haptos_Vec3.hpp"
+
+namespace Haptos {
+
+/// \brief A subdomain, as far as it matters how thin it is.
+struct PartOfBody {
+  int body;       ///< global, 0-based
+  double aspect;  ///< see `aspectOfPart`
+  const Coordinates& coordinates;
+  std::function<IndexLists()> neighbours;  ///< of each node, those that K couples it with, itself included; asked for where a part is slender
+};
+
+/// \brief Multiplies what subdomains hold their nodes with by what nodes of thin bodies meet where pairs touch them (`stiffnessAlone`).  Collective.
+///
+/// All subdomains of a body have the same factor, the geometric mean over what is touched, parts that are not slender included with 1: bodies are weighed
+/// against each other, gluing rows are what they were (decisions/058).
+/// \param nodes ranges of the numbers of nodes \param parts [this rank's subdomains] \param pairs of this rank
+/// \param weights [this rank's subdomains]
+void weighThinBodies(const Communicator& comm, const EvenRanges& nodes, const std::vector<PartOfBody>& parts, const std::vector<PlacedPair>& pairs,
+                     std::vector<SubdomainNodes>& weights);
+
+}  // namespace Haptos
