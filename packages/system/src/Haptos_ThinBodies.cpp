@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 
-#include "Haptos_BodyMeans.hpp"
 #include "Haptos_PartShape.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
@@ -50,15 +49,39 @@ std::vector<std::array<double, 3>> normalsAt(const Communicator& comm, const Eve
   return RemoteValues(comm, nodes, wanted).fetch([&](std::int64_t place) { return sums[std::size_t(place)]; });
 }
 
-TouchedNodes touchedNodes(const std::array<double, 3>* normals, std::size_t count) {
-  TouchedNodes touched;
-  for (std::size_t node = 0; node < count; ++node) {
-    const Eigen::Vector3d outward(normals[node].data());
-    if (outward.isZero(0)) continue;
-    touched.nodes.push_back(int(node));
-    touched.normals.push_back(outward);
-  }
+// Of each part, by normals of all nodes of parts.
+std::vector<TouchedNodes> touchedNodes(const std::vector<std::array<double, 3>>& normals, const std::vector<PartOfBody>& parts) {
+  std::vector<TouchedNodes> touched(parts.size());
+  auto normal = normals.begin();
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (int node = 0; node < int(parts[i].coordinates.size()); ++node, ++normal) {
+      const Eigen::Vector3d outward(normal->data());
+      if (outward.isZero(0)) continue;
+      touched[i].nodes.push_back(node);
+      touched[i].normals.push_back(outward);
+    }
   return touched;
+}
+
+// [bodies of all ranks] whether most of what is touched lies in slender parts: how a body was cut is not to show in it.  Collective.
+std::vector<char> findThinBodies(const Communicator& comm, const std::vector<PartOfBody>& parts, const std::vector<TouchedNodes>& touched) {
+  int last = -1;
+  for (const PartOfBody& part : parts) last = std::max(last, part.body);
+  std::vector<long> counts(2 * std::size_t(1 + largestOfAll(comm, last)), 0);  // touched nodes, those in slender parts
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (int k = 0; k <= int(isSlender(parts[i].aspect)); ++k) counts[2 * std::size_t(parts[i].body) + std::size_t(k)] += long(touched[i].nodes.size());
+  counts = sumOfAll(comm, counts);
+  std::vector<char> isThin;
+  for (std::size_t body = 0; 2 * body < counts.size(); ++body) isThin.push_back(2 * counts[2 * body + 1] > counts[2 * body]);
+  return isThin;
+}
+
+// Copies of a node get the largest of their values: at a rim of a part neighbours are missing.  Collective.
+std::vector<double> largestOfCopies(const Communicator& comm, const EvenRanges& nodes, const std::vector<std::int64_t>& numbers, const std::vector<double>& values) {
+  std::vector<double> largest(std::size_t(nodes.count(comm.getRank())), 0.0);
+  const RemoteValues copies(comm, nodes, numbers);
+  copies.give(values, [&](std::int64_t place, double value) { largest[std::size_t(place)] = std::max(largest[std::size_t(place)], value); });
+  return copies.fetch([&](std::int64_t place) { return largest[std::size_t(place)]; });
 }
 
 }  // namespace
@@ -67,18 +90,22 @@ void weighThinBodies(const Communicator& comm, const EvenRanges& nodes, const st
                      std::vector<SubdomainNodes>& weights) {
   TEUCHOS_ASSERT(parts.size() == weights.size());
   if (!anyOfAll(comm, std::any_of(parts.begin(), parts.end(), [](const PartOfBody& part) { return isSlender(part.aspect); }))) return;
-  const auto normals = normalsAt(comm, nodes, pairs, weights);
-  BodyMeans alone(comm);
-  std::size_t at = 0;
-  for (const PartOfBody& part : parts) {
-    const TouchedNodes touched = touchedNodes(normals.data() + at, part.coordinates.size());
-    at += part.coordinates.size();
-    alone.add(part.body, isSlender(part.aspect) ? stiffnessAlone(part.coordinates, part.neighbours(), touched)
-                                                : std::vector<double>(touched.nodes.size(), 1.0));
+  const std::vector<TouchedNodes> touched = touchedNodes(normalsAt(comm, nodes, pairs, weights), parts);
+  const std::vector<char> isThin = findThinBodies(comm, parts, touched);
+  std::vector<std::int64_t> numbers;
+  std::vector<double> alone;
+  std::vector<double*> stiffness;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    if (!isThin[std::size_t(parts[i].body)]) continue;
+    const auto values = stiffnessAlone(parts[i].coordinates, parts[i].neighbours(), touched[i]);
+    alone.insert(alone.end(), values.begin(), values.end());
+    for (const int node : touched[i].nodes) {
+      numbers.push_back(weights[i].nodes[std::size_t(node)]);
+      stiffness.push_back(&weights[i].stiffness[std::size_t(node)]);
+    }
   }
-  alone.sum();
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    for (double& value : weights[i].stiffness) value *= alone.of(parts[i].body);
+  alone = largestOfCopies(comm, nodes, numbers, alone);
+  for (std::size_t k = 0; k < alone.size(); ++k) *stiffness[k] *= alone[k];
 }
 
 }  // namespace Haptos

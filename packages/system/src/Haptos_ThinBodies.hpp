@@ -21,8 +21,8 @@ struct PartOfBody {
 
 /// \brief Multiplies what subdomains hold their nodes with by what nodes of thin bodies meet where pairs touch them (`stiffnessAlone`).  Collective.
 ///
-/// All subdomains of a body have the same factor, the geometric mean over what is touched, parts that are not slender included with 1: bodies are weighed
-/// against each other, gluing rows are what they were (decisions/058).
+/// Of bodies alone most of whose touched nodes lie in slender subdomains, so that it does not show how a body was cut.  All copies of a node have the same
+/// factor: bodies are weighed against each other, gluing rows are what they were (decisions/058).
 /// \param nodes ranges of the numbers of nodes \param parts [this rank's subdomains] \param pairs of this rank
 /// \param weights [this rank's subdomains]
 void weighThinBodies(const Communicator& comm, const EvenRanges& nodes, const std::vector<PartOfBody>& parts, const std::vector<PlacedPair>& pairs,
