@@ -333,6 +333,7 @@ class ContactSystem:
         secondary: ids [p]; primary: ids [p] or [p, k], or None for a rigid obstacle; weights [p, k] that add up to 1 (None: equal);
         normals [p, 3]: outward from the secondary side; axes [p, 3]: first principal axis of friction, projected on the tangent plane;
         gaps [p] along the normal [length]; areas [p] of the nodes, for Tresca's law [area].  One value or row stands for all.
+        Better the softer side than one that is far stiffer, and not one whose nodes are held and more than those opposite.
         """
         secondary = _array(secondary, np.int64, (-1,), "secondary")
         p = len(secondary)

@@ -79,7 +79,8 @@ typedef struct haptos_subdomain {
   const double* kernel;       /* [kernel_columns][3 num_nodes]: all that the matrix does not feel, or NULL */
 } haptos_subdomain;
 
-/* Nodes of a secondary side and what they may touch. */
+/* Nodes of a secondary side and what they may touch: better of the softer side than of one that is far stiffer, and not of one
+   whose nodes are held and more than those opposite. */
 typedef struct haptos_pairs {
   int interface;                 /* from haptos_add_interface */
   int count;

@@ -11,18 +11,37 @@
 #include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
-#include "Haptos_NodeSpread.hpp"
 
 namespace Haptos {
 namespace {
 
 using Nodes = std::vector<int>;
 
+Eigen::Map<const Eigen::Vector3d> at(const Coordinates& coordinates, int node) {
+  return Eigen::Map<const Eigen::Vector3d>(coordinates[std::size_t(node)].data());
+}
+
 Nodes allOf(const Coordinates& coordinates) {
   Nodes all(coordinates.size());
   std::iota(all.begin(), all.end(), 0);
   return all;
 }
+
+// Mean of d d^T over nodes, d from their mean: its eigenvalues are squares of the extents along the principal axes.
+struct Spread {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3d moments = Eigen::Matrix3d::Zero();
+
+  Spread(const Coordinates& coordinates, const Nodes& nodes) {
+    for (const int node : nodes) mean += at(coordinates, node);
+    mean /= double(nodes.size());
+    for (const int node : nodes) {
+      const Eigen::Vector3d d = at(coordinates, node) - mean;
+      moments += d * d.transpose();
+    }
+    moments /= double(nodes.size());
+  }
+};
 
 // A part is cut in halves, again and again: pieces of what is thin come out as plates or needles, whose thickness is that of the part once they are short
 // enough to be straight.  A layer of nodes is no plate: the thickness is that of a piece with its neighbours, the length its own.
@@ -42,13 +61,13 @@ class PieceCutter {
     double length2 = 0, thickness2 = 0;
     std::vector<Nodes> halves;
     for (const Nodes& piece : pieces_) {
-      const NodeSpread spread(coordinates_, piece);
+      const Spread spread(coordinates_, piece);
       const SymmetricEigen3 eigen(spread.moments);
       const double share = double(piece.size()) / double(coordinates_.size());
       length2 += share * eigen.values[2];
-      thickness2 += share * SymmetricEigen3(NodeSpread(coordinates_, withNeighbours(piece)).moments).values[0];
+      thickness2 += share * SymmetricEigen3(Spread(coordinates_, withNeighbours(piece)).moments).values[0];
       std::array<Nodes, 2> both;
-      for (const int node : piece) both[eigen.vectors.col(2).dot(NodeSpread::at(coordinates_, node) - spread.mean) > 0 ? 1 : 0].push_back(node);
+      for (const int node : piece) both[eigen.vectors.col(2).dot(at(coordinates_, node) - spread.mean) > 0 ? 1 : 0].push_back(node);
       for (Nodes& half : both)
         if (!half.empty()) halves.push_back(std::move(half));
     }
@@ -107,7 +126,7 @@ double aspectOfPart(const Coordinates& coordinates, const IndexLists& neighbours
 }
 
 double aspectOf(const Coordinates& coordinates) {
-  const Eigen::Vector3d squares = SymmetricEigen3(NodeSpread(coordinates, allOf(coordinates)).moments).values;
+  const Eigen::Vector3d squares = SymmetricEigen3(Spread(coordinates, allOf(coordinates)).moments).values;
   return squares[0] > 0 ? std::sqrt(squares[2] / squares[0]) : std::numeric_limits<double>::infinity();
 }
 

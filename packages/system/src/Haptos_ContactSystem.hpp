@@ -24,6 +24,9 @@ struct SubdomainInput {
 };
 
 /// \brief A node of the secondary side and what it may touch: [u] = u_secondary - sum of weight x u_primary.
+///
+/// Better the softer side than one that is far stiffer, and not one whose nodes supports hold and are more than those opposite: how its pairs share a force
+/// nobody decides (decisions/057).
 struct PairInput {
   int interface = 0;        ///< from addInterface
   GlobalOrdinal secondary;  ///< id of a node
