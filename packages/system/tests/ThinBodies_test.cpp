@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "Haptos_NodeNeighbours.hpp"
-#include "Haptos_PartShape.hpp"
 
 namespace {
 
@@ -49,8 +48,8 @@ struct Scene {
   std::vector<SubdomainNodes> weights;
   std::vector<int> own;  // boxes
 
-  // The plate is pressed from above as far as the block goes.
-  explicit Scene(bool isPressed) {
+  // Pressed: the plate, from above, as far as the block goes.
+  explicit Scene(bool isPressed, const std::array<double, 3>& aspects = {1, 50, 50}) {
     const auto comm = Tpetra::getDefaultComm();
     std::vector<PartOfBody> parts;
     for (int b = 0; b < int(boxes.size()); ++b) {
@@ -59,7 +58,7 @@ struct Scene {
       own.push_back(b);
       weights.push_back({b, box.nodes, std::vector<double>(std::size_t(box.numNodes()), 3.0)});
       const auto neighbours = [&box] { return nodeNeighbours(box.numNodes(), box.groups); };
-      parts.push_back({b == 0 ? 0 : 1, aspectOfPart(box.coordinates, neighbours()), box.coordinates, neighbours});
+      parts.push_back({b == 0 ? 0 : 1, aspects[std::size_t(b)], box.coordinates, neighbours});
     }
     std::vector<PlacedPair> pairs, mine;
     for (int node = 0; node < plate.numNodes() / 2; ++node) {
@@ -114,6 +113,15 @@ TEUCHOS_UNIT_TEST(ThinBodies, NotBetweenTwoOthers) {
       const bool isAlone = &box == &scene.more && node < box.numNodes() / 2 && box.coordinates[std::size_t(node)][0] > 1;
       TEST_EQUALITY(scene.weights[i].stiffness[std::size_t(node)] < 3, isAlone);
     }
+  }
+}
+
+// 49 of the nodes in pairs are of the part on the block, 28 of the other one: the body counts as the former does.
+TEUCHOS_UNIT_TEST(ThinBodies, PartsOfABodyAreAlike) {
+  const Scene all(false), most(false, {1, 50, 1}), few(false, {1, 1, 50});
+  for (std::size_t i = 0; i < all.weights.size(); ++i) {
+    TEST_EQUALITY(all.weights[i].stiffness == most.weights[i].stiffness, true);
+    for (const double value : few.weights[i].stiffness) TEST_EQUALITY(value, 3.0);
   }
 }
 
