@@ -12,12 +12,11 @@ import sys
 
 import corners  # ends with 77 where modules are missing
 import numpy as np
-from corners import coulomb, listed, material, parameter, problem
 from shells import Shell, box
 
 
 class Layer(Shell):
-    """One scene of a seed; the input has a contact on either side of the layer."""
+    """One scene of a seed, with a contact on either side of the layer."""
 
     KINDS = ("covered", "half covered", "covered in the middle")
     COVERED = {"covered": (0.0, 2.0), "half covered": (0.0, 1.0), "covered in the middle": (0.6, 1.4)}
@@ -39,20 +38,11 @@ class Layer(Shell):
         self.axis = tuple(float(x) for x in rng.permutation([1.0, 0.5])) + (0.0,)
         self.held, side = [("low_bottom", "xyz"), ("thin_left", "xyz"), ("high_left", "xyz")], 0.3 * min(self.friction)
         self.loads = [("Traction", "high_top", [side * float(rng.uniform(-1, 1)), side * float(rng.uniform(-1, 1)), -1.0])]
+        self.contacts = [("thin_bottom", "low_top"), ("thin_top", "high_bottom")]
         t, covered = self.thickness, self.COVERED[self.kind]
         self.bodies = [("low", (self.other, self.across + 1, 3), box((0, 2), (0, 1), (-0.5, 0)), False),
                        ("thin", (self.along, self.across, self.layers), box((0, 2), (0, 1), (0, t)), False),
                        ("high", (max(2, self.other // 2), self.across, 3), box(covered, (0, 1), (t, t + 0.5)), False)]
-
-    def describe(self):
-        return (f"{self.kind}, {self.shape} {self.along}x{self.across} on {self.other}, thickness {self.thickness:.2g}, contrast {self.young[1] / self.young[0]:.2g}, "
-                f"({self.friction[0]:.2g}, {self.friction[1]:.2g})")
-
-    def input(self, name):
-        materials = [material(body, body, E, 0.3) for body, E in zip(("low", "thin", "high"), self.young)]
-        contacts = [listed(f"on {secondary}", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary),
-                           coulomb(self.friction, self.axis)) for secondary, primary in (("thin_bottom", "low_top"), ("thin_top", "high_bottom"))]
-        return problem(name, self.subdomains, materials, self.conditions(), contacts)
 
 
 if __name__ == "__main__":

@@ -63,7 +63,8 @@ class Shell(Written):
         self.young = [2e5, float(2e5 * 10 ** rng.uniform(-2, 1))]
         self.subdomains = int(rng.choice([0, 0, 8]))
         self.angle, self.draws = math.pi * float(rng.choice([0.5, 0.75, 1])), rng.uniform(-1, 1, 4)
-        self.bodies, self.contact, self.held, self.loads = getattr(self, self.kind.replace(" ", "_"))()
+        self.bodies, contact, self.held, self.loads = getattr(self, self.kind.replace(" ", "_"))()
+        self.contacts, self.axis = [contact], (1, 0, 0) if self.kind == "dome" else (0, 1, 0)
 
     def describe(self):
         return (f"{self.kind}, {self.shape} {self.along}x{self.across} on {self.other}, thickness {self.thickness:.2g}, contrast {self.young[0] / self.young[1]:.2g}, "
@@ -129,11 +130,10 @@ class Shell(Written):
         return ExodusMesh(np.concatenate(points), blocks, sides)
 
     def input(self, name):
-        materials = [material(body, body, E, 0.3) for body, E in zip(("drum", "thin"), self.young)]
-        axis = (1, 0, 0) if self.kind == "dome" else (0, 1, 0)
-        secondary, primary = self.contact
-        contact = listed("contact", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary), coulomb(self.friction, axis))
-        return problem(name, self.subdomains, materials, self.conditions(), [contact])
+        materials = [material(body[0], body[0], E, 0.3) for body, E in zip(self.bodies, self.young)]
+        contacts = [listed(f"contact{n}", parameter("Secondary Side Set", "string", secondary), parameter("Primary Side Set", "string", primary),
+                           coulomb(self.friction, self.axis)) for n, (secondary, primary) in enumerate(self.contacts)]
+        return problem(name, self.subdomains, materials, self.conditions(), contacts)
 
     def conditions(self):
         conditions = [hold(side, [side], components) for side, components in self.held]

@@ -79,8 +79,10 @@ std::vector<double> stiffnessAlone(const Coordinates& coordinates, const IndexLi
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (touched.normals[i].isZero(0)) continue;
     const TouchedNode node(coordinates, neighbours, touched.nodes[i], touched.normals[i]);
+    result[i] = node.roundness();
+    if (result[i] == 1) continue;  // and no way through long elements is gone
     const int opposite = node.opposite();
-    if (opposite == touched.nodes[i] || !isTouched(opposite)) result[i] = node.roundness();
+    if (opposite != touched.nodes[i] && isTouched(opposite)) result[i] = 1;
   }
   return result;
 }

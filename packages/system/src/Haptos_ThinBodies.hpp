@@ -16,7 +16,7 @@ struct PartOfBody {
   int body;       ///< global, 0-based
   double aspect;  ///< see `aspectOfPart`
   const Coordinates& coordinates;
-  std::function<IndexLists()> neighbours;  ///< of each node, those that K couples it with, itself included; asked for where a part is slender
+  std::function<IndexLists()> neighbours;  ///< of each node, those that K couples it with, itself included; asked for in thin bodies alone
 };
 
 /// \brief Multiplies what subdomains hold their nodes with by what nodes of thin bodies meet where pairs touch them (`stiffnessAlone`).  Collective.
