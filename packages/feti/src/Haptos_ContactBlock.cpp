@@ -5,6 +5,7 @@
 #include <Tpetra_Vector.hpp>
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -159,7 +160,7 @@ void ContactBlock::applyLocal(Eigen::MatrixXd& T) const {
 double ContactBlock::entriesRead() const {
   double sum = 0;
   for (std::size_t c = 0; c < unknowns_.size(); ++c) sum += 0.5 * double(active_[c].size()) * double(unknowns_[c].size()) * double(unknowns_[c].size());
-  return sum;
+  return sum + 2 * pairs().entriesRead();
 }
 
 // B_D^T X at the unknowns of contact nodes
@@ -175,6 +176,33 @@ void ContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp,
   const Eigen::MatrixXd result = pairs().solve(extended(near_->collect(T), nearPairs_, pairs().rows().size()));
   for (Eigen::Index v = 0; v < T.cols(); ++v) update(y.getDataNonConst(std::size_t(v)), beta, alpha, restricted(result.col(v), contact_));
 }
+
+// B V S V B^T of near rows: every row reaches few unknowns
+Eigen::MatrixXd ContactBlock::energiesOfNearRows() const {
+  const auto& comm = *getDomainMap()->getComm();
+  const int mine = int(near_->rows().size()), before = sumOfLower(comm, mine), all = sumOfAll(comm, mine);
+  std::vector<int> columns(static_cast<std::size_t>(all));
+  std::iota(columns.begin(), columns.end(), 0);
+  Eigen::MatrixXd E = Eigen::MatrixXd::Zero(all, all);
+  addEnergies(near_->spreads(Eigen::VectorXd::LinSpaced(mine, before, before + mine - 1), all), columns, E);
+  return sumOfAll(comm, E);
+}
+
+// Contact rows of G^-1 X, of all ranks, X of near rows of all; some columns at a time, which stay in the cache.
+Eigen::MatrixXd ContactBlock::betweenContactRows(const Eigen::MatrixXd& X) const {
+  constexpr Eigen::Index kAtATime = 32;
+  const auto& comm = *getDomainMap()->getComm();
+  const Eigen::Index mine = Eigen::Index(nearPairs_.size()), first = sumOfLower(comm, int(mine)), count = Eigen::Index(contact_.size());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(sumOfAll(comm, int(count)), X.cols());
+  auto own = all.middleRows(sumOfLower(comm, int(count)), count);
+  for (Eigen::Index j = 0; j < X.cols(); j += kAtATime) {
+    const Eigen::Index width = std::min(kAtATime, X.cols() - j);
+    own.middleCols(j, width) = pairs().solve(extended(X.block(first, j, mine, width), nearPairs_, pairs().rows().size()))(contact_, Eigen::all);
+  }
+  return sumOfAll(comm, all);
+}
+
+Eigen::MatrixXd ContactBlock::matrix() const { return betweenContactRows(betweenContactRows(energiesOfNearRows()).transpose()); }
 
 ContactBlock::Columns ContactBlock::spreads() const {
   const auto& comm = *getDomainMap()->getComm();

@@ -34,8 +34,10 @@ class ContactBlock final : public Operator {
   /// \brief Entries of matrices that a product reads on this rank, which is what it costs.
   double entriesRead() const;
 
-  /// \name Of groups of contact rows by themselves (`DeflatedContactBlock::ofGroups`).  Contact rows of all ranks are numbered rank after rank.
+  /// \name As matrices.  Contact rows of all ranks are numbered rank after rank.
   /// @{
+  /// \brief M_cc [contact rows of all]^2, the same on all ranks: the energies of rows, and two solves with their Gram matrix.  Collective.
+  Eigen::MatrixXd matrix() const;
   using Columns = Eigen::SparseMatrix<double>;
   Columns spreads() const;  ///< V B^T [unknowns of this rank's active subdomains x contact rows of all].  Collective.
   Columns gram() const;     ///< [contact rows of all]^2, their part of `CouplingGram`, the same on all.  Collective.
@@ -61,6 +63,8 @@ class ContactBlock final : public Operator {
   DenseSymmetric denseBlock(int congruenceClass) const;
   void applyLocal(Eigen::MatrixXd& T) const;
   Eigen::MatrixXd spread(const Eigen::MatrixXd& X) const;
+  Eigen::MatrixXd energiesOfNearRows() const;
+  Eigen::MatrixXd betweenContactRows(const Eigen::MatrixXd& X) const;
   Eigen::MatrixXd stiffnessBetween(std::size_t congruenceClass, const std::vector<int>& positions) const;
   void addEnergiesOf(std::size_t congruenceClass, Eigen::Index first, const Columns& T, Eigen::MatrixXd& M) const;
 

@@ -38,6 +38,7 @@ class CouplingGram {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& X) const;
   /// \brief x := S^-1 (x + C z), z := C^T x then; x [rows() x any], z [3 nodes() x any].  Collective where rows meet across ranks.
   void solve(Eigen::MatrixXd& x, Eigen::MatrixXd& z) const;
+  double entriesRead() const { return double(inverse_.nonZeros()) + factor_.entriesRead(); }  ///< by `solve` of a vector, on this rank
   /// \brief Whether it is so on any rank, if `solve` is Collective, else here.  Collective then.
   bool isWhereSolved(bool mine) const;
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "Haptos_DenseDecompositions.hpp"
+#include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
 
@@ -47,21 +48,45 @@ Eigen::MatrixXd betweenInverses(Eigen::MatrixXd G, const Eigen::MatrixXd& A) {
 
 }  // namespace
 
+// Of rows that ranks give, -1: none
+DeflatedContactBlock::RowsOfAll DeflatedContactBlock::rowsOfAll(std::vector<int> rows) const {
+  const auto& comm = *getRangeMap()->getComm();
+  const int before = sumOfLower(comm, int(W_.rows()));
+  for (int& row : rows) row = row < 0 ? -1 : before + row;
+  rows = gatheredOnAll(comm, rows);
+  RowsOfAll result{{}, {}, Eigen::Index(rows.size())};
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    if (rows[i] >= 0) result.rows.push_back(rows[i]), result.places.push_back(int(i));
+  return result;
+}
+
+// W of all ranks' rows
+Eigen::MatrixXd DeflatedContactBlock::rootOfAll() const {
+  const auto& comm = *getRangeMap()->getComm();
+  const int mine = int(W_.rows());
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(sumOfAll(comm, mine), W_.cols());
+  W.middleRows(sumOfLower(comm, mine), mine) = W_;
+  return sumOfAll(comm, W);
+}
+
+Eigen::MatrixXd DeflatedContactBlock::between(std::vector<int> rows) const {
+  Eigen::MatrixXd M = block_.matrix();
+  Lapack::subtractGram(rootOfAll().transpose(), M);
+  M.triangularView<Eigen::StrictlyUpper>() = M.transpose();
+  const RowsOfAll given = rowsOfAll(rows);
+  Eigen::MatrixXd result = Eigen::MatrixXd::Zero(given.count, given.count);
+  result(given.places, given.places) = M(given.rows, given.rows);
+  return result;
+}
+
 // B W S Z of the rows, from B_D S Z by their Gram matrix.
 std::vector<Eigen::MatrixXd> DeflatedContactBlock::ofGroups(const std::vector<std::vector<int>>& groups) const {
   const auto& comm = *getRangeMap()->getComm();
   const ContactBlock::Columns spreads = block_.spreads(), G = block_.gram();
-  const int before = sumOfLower(comm, int(W_.rows()));
-  Eigen::MatrixXd GW = Eigen::MatrixXd::Zero(G.rows(), W_.cols());
-  GW.middleRows(before, W_.rows()) = W_;
-  GW = G * sumOfAll(comm, GW);
+  const Eigen::MatrixXd GW = G * rootOfAll();
   std::vector<Eigen::MatrixXd> result;
-  for (std::vector<int> given : groups) {
-    for (int& row : given) row = row < 0 ? -1 : before + row;
-    given = gatheredOnAll(comm, given);
-    std::vector<int> rows, places;
-    for (std::size_t i = 0; i < given.size(); ++i)
-      if (given[i] >= 0) rows.push_back(given[i]), places.push_back(int(i));
+  for (const auto& group : groups) {
+    const auto [rows, places, count] = rowsOfAll(group);
     const Eigen::Index n = Eigen::Index(rows.size());
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n), Gram(n, n);
     block_.addEnergies(spreads, rows, A);
@@ -70,7 +95,7 @@ std::vector<Eigen::MatrixXd> DeflatedContactBlock::ofGroups(const std::vector<st
     A.noalias() -= part * part.transpose();
     for (Eigen::Index j = 0; j < n; ++j)
       for (Eigen::Index i = 0; i < n; ++i) Gram(i, j) = G.coeff(rows[std::size_t(i)], rows[std::size_t(j)]);
-    Eigen::MatrixXd& M = result.emplace_back(Eigen::MatrixXd::Zero(Eigen::Index(given.size()), Eigen::Index(given.size())));
+    Eigen::MatrixXd& M = result.emplace_back(Eigen::MatrixXd::Zero(count, count));
     M(places, places) = betweenInverses(std::move(Gram), A);
   }
   return result;

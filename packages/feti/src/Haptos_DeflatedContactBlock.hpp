@@ -23,6 +23,11 @@ class DeflatedContactBlock final : public Operator {
   /// Collective: as `ContactBlock`, and one sum.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0, double beta = 0.0) const override;
 
+  /// \brief Between some rows, by the energies of all: far cheaper than by columns.
+  /// \param rows positions of this rank's rows among `contactMap`, -1: none, with a row and column of zeros
+  /// \return of all ranks' rows given, rank after rank, the same on all.  Collective.
+  Eigen::MatrixXd between(std::vector<int> rows) const;
+
   /// \brief What M_Z would be if the contact rows of a group were all there are, for one group after another.
   ///
   /// Their Gram matrix is that of the group: between all rows its inverse has entries everywhere, and M_Z of a group would cost its products.
@@ -31,6 +36,12 @@ class DeflatedContactBlock final : public Operator {
   std::vector<Eigen::MatrixXd> ofGroups(const std::vector<std::vector<int>>& groups) const;
 
  private:
+  struct RowsOfAll {
+    std::vector<int> rows, places;  // among contact rows of all, among those given
+    Eigen::Index count;             // of those given
+  };
+  RowsOfAll rowsOfAll(std::vector<int> rows) const;
+  Eigen::MatrixXd rootOfAll() const;
   Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
 
   ContactBlock block_;

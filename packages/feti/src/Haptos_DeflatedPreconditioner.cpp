@@ -209,13 +209,17 @@ DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
   if (anyOfAll(comm, isSlender)) return {};
   const std::vector<int>& contact = base_->jump().multipliers().contactRows();
   const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, rootOfDeflation(rowsOfBCZ(contact))));
-  const auto ofGroups = [block, contact](std::vector<std::vector<int>> groups) {
-    for (auto& rows : groups)
-      for (int& row : rows)
-        if (row >= 0) row = int(std::lower_bound(contact.begin(), contact.end(), row) - contact.begin());
+  const auto positions = [contact](std::vector<int> rows) {
+    for (int& row : rows)
+      if (row >= 0) row = int(std::lower_bound(contact.begin(), contact.end(), row) - contact.begin());
+    return rows;
+  };
+  const auto ofGroups = [block, positions](std::vector<std::vector<int>> groups) {
+    for (auto& rows : groups) rows = positions(std::move(rows));
     return block->ofGroups(groups);
   };
-  return {block, sumOfAll(comm, block->entriesRead()), ofGroups};
+  const auto between = [block, positions](const std::vector<int>& rows) { return block->between(positions(rows)); };
+  return {block, sumOfAll(comm, block->entriesRead()), ofGroups, between};
 }
 
 // W with W W^T = Y K^+ Y^T, of as few columns as are needed: motions without contact have nothing in Y.  Between the others K^+ is C^T C, and

@@ -53,6 +53,7 @@ class DeflatedPreconditioner final : public Operator {
     double entriesRead = 0;  ///< of matrices, in a product, over all ranks
     /// As `DeflatedContactBlock::ofGroups`, by owned rows.  Collective.
     std::function<std::vector<Eigen::MatrixXd>(const std::vector<std::vector<int>>& rows)> ofGroups{};
+    std::function<Eigen::MatrixXd(const std::vector<int>& rows)> between{};  ///< as `DeflatedPreconditioner::between`, far cheaper
   };
   /// \brief M_Z between contact rows, on `MultiplierMap::contactMap`, as M_cc - Y_c K^+ Y_c^T with Y = B_D S Z: far cheaper than M_Z.
   ///

@@ -172,6 +172,15 @@ void compareGroups(const Scene& scene, const RCP<const DualPreconditioner>& M, c
     }
 }
 
+// M between contact rows as a matrix, tied rows or not.
+void compareMatrix(const DualPreconditioner& M, const Dense& matrix, const Dense& between, Teuchos::FancyOStream& out, bool& success) {
+  std::vector<int> global;
+  for (int row : M.jump().multipliers().contactRows()) global.push_back(int(M.getDomainMap()->getGlobalElement(row)));
+  global = gatheredOnAll(*M.getDomainMap()->getComm(), global);
+  TEST_EQUALITY(matrix.rows(), Eigen::Index(global.size()));
+  TEST_ASSERT(largest(matrix - between(global, global)) < kRoundOff * largest(between));
+}
+
 // What holds for B W B^T, M, its contact rows and its contact block.
 void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& success) {
   const Feti feti = makeFeti(Tpetra::getDefaultComm(), scene);
@@ -205,6 +214,7 @@ void compareWithDense(const Scene& scene, Teuchos::FancyOStream& out, bool& succ
   comparePanels(*M, out, success);
   compareEntries(feti, out, success);
   compareGroups(scene, M, between, out, success);
+  compareMatrix(*M, block->matrix(), between, out, success);
   const Eigen::VectorXd diagonal = gathered(*M->diagonal());
   for (Eigen::Index i = 0; i < diagonal.size(); ++i)
     if (!scene.rows.pinned[std::size_t(i)]) TEST_ASSERT(diagonal[i] > 0.05 * reference(i, i) && diagonal[i] < 20 * reference(i, i));

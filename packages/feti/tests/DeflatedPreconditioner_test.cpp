@@ -107,26 +107,33 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, ContactBlock) {
   }
 }
 
+// By global numbers of all ranks, -1: none.
+void compareBetween(const Setup& t, const Dense& M, std::vector<int> rows, Teuchos::FancyOStream& out, bool& success) {
+  const auto& map = *t.feti.map();
+  for (int& row : rows) row = row < 0 ? -1 : int(map.getGlobalElement(row));
+  rows = gatheredOnAll(*map.getComm(), rows);
+  const Dense Z = denseOf(*t.deflated);
+  TEST_EQUALITY(M.rows(), Eigen::Index(rows.size()));
+  for (std::size_t i = 0; i < rows.size(); ++i)
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+      const double wanted = rows[i] < 0 || rows[j] < 0 ? 0.0 : Z(rows[i], rows[j]);
+      TEST_ASSERT(std::abs(M(Eigen::Index(i), Eigen::Index(j)) - wanted) <= 1e-10 * largest(Z));
+    }
+}
+
 // Pairs of nodes do not meet, so groups of them have what M_Z has between their rows.
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, GroupsOfContactRows) {
   const Setup t(1.0);
-  const auto& map = *t.feti.map();
   std::vector<std::vector<int>> groups(3);
   for (const LocalPair& pair : t.feti.dealt.jump->multipliers().pairs())
-    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]}) groups[std::size_t(map.getGlobalElement(pair.normal)) % 3].push_back(row);
-  const auto M = t.deflated->contactBlock().ofGroups(groups);
-  const Dense Z = denseOf(*t.deflated);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    std::vector<int> rows;
-    for (int row : groups[g]) rows.push_back(row < 0 ? -1 : int(map.getGlobalElement(row)));
-    rows = gatheredOnAll(*map.getComm(), rows);
-    TEST_EQUALITY(M[g].rows(), Eigen::Index(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i)
-      for (std::size_t j = 0; j < rows.size(); ++j) {
-        const double wanted = rows[i] < 0 || rows[j] < 0 ? 0.0 : Z(rows[i], rows[j]);
-        TEST_ASSERT(std::abs(M[g](Eigen::Index(i), Eigen::Index(j)) - wanted) <= 1e-10 * largest(Z));
-      }
-  }
+    for (int row : {pair.normal, pair.tangential[0], pair.tangential[1]})
+      groups[std::size_t(t.feti.map()->getGlobalElement(pair.normal)) % 3].push_back(row);
+  const auto block = t.deflated->contactBlock();
+  const auto M = block.ofGroups(groups);
+  for (std::size_t g = 0; g < groups.size(); ++g) compareBetween(t, M[g], groups[g], out, success);
+  std::vector<int> rows{-1};
+  for (const auto& group : groups) rows.insert(rows.end(), group.begin(), group.end());
+  compareBetween(t, block.between(rows), rows, out, success);
 }
 
 // Few spectral modes where few are wanted, none at all where those that are left out are too stiff.
@@ -173,22 +180,11 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, TakesTheSoftestModes) {
 TEUCHOS_UNIT_TEST(DeflatedPreconditioner, BetweenRowsIsThatPartOfIt) {
   for (double height : {1.0, 0.02}) {
     const Setup t(height);
-    const auto& map = *t.feti.map();
     std::vector<int> rows{-1};
-    for (int row = 0; row < int(localNumElements(map)); row += 3) rows.push_back(row);
-    const Dense between = t.deflated->between(rows), Z = denseOf(*t.deflated);
-    const auto& comm = *map.getComm();  // rank after rank
-    Eigen::VectorXd all = Eigen::VectorXd::Zero(sumOfAll(comm, int(rows.size())));
-    const int before = sumOfLower(comm, int(rows.size()));
-    for (std::size_t i = 0; i < rows.size(); ++i) all[before + int(i)] = rows[i] < 0 ? -1.0 : double(map.getGlobalElement(rows[i]));
-    all = sumOfAll(comm, all);
-    TEST_EQUALITY(between.rows(), all.size());
-    for (Eigen::Index i = 0; i < all.size(); ++i)
-      for (Eigen::Index j = 0; j < all.size(); ++j) {
-        const double wanted = all[i] < 0 || all[j] < 0 ? 0.0 : Z(Eigen::Index(all[i]), Eigen::Index(all[j]));
-        TEST_ASSERT(std::abs(between(i, j) - wanted) <= 1e-10 * largest(Z));
-      }
-    TEST_COMPARE(smallestEigenvalue(between), >=, -1e-13 * largest(Z));
+    for (int row = 0; row < int(localNumElements(*t.feti.map())); row += 3) rows.push_back(row);
+    const Dense between = t.deflated->between(rows);
+    compareBetween(t, between, rows, out, success);
+    TEST_COMPARE(smallestEigenvalue(between), >=, -1e-13 * largest(denseOf(*t.deflated)));
   }
 }
 

@@ -14,6 +14,7 @@ class ComponentLdl {
 
   /// \brief S^-1 X [unknowns x any].
   Eigen::MatrixXd solve(const Eigen::MatrixXd& X) const;
+  double entriesRead() const { return 2.0 * numComponents_ * factor_.numEntries(); }  ///< by a solve with a vector
   bool isShared() const { return numComponents_ > 1; }  ///< whether one factor is that of each component
   int numDropped() const { return numComponents_ * factor_.numDropped(); }  ///< as `SparseLdl`'s
 

@@ -18,6 +18,7 @@ class SparseLdl {
   /// \brief A^-1 B [size x any].
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
   Eigen::Index size() const { return order_.size(); }
+  double numEntries() const { return double(values_.size()); }  ///< of L, that a column of a solve meets twice
   const std::vector<int>& dropped() const { return dropped_; }  ///< rows of A; empty ones do not count
   int numDropped() const { return int(dropped_.size()); }
 

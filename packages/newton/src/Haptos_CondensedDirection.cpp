@@ -22,20 +22,18 @@ std::vector<int> rowsOfValues(const std::vector<PairLaw>& pairs) {
 }
 
 std::function<Eigen::MatrixXd()> denseOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
-  if (!deflated.between || !deflated.contactM.is_null()) return {};
+  if (!deflated.between) return {};
   return [between = deflated.between, rows = rowsOfValues(pairs)] { return between(rows); };
 }
 
-std::function<SchwarzPreconditioner::Groups()> groupsOf(const ContactOperators::Deflated& deflated, const std::vector<PairLaw>& pairs) {
-  if (!deflated.groups || !deflated.ofGroups) return {};
-  return [find = deflated.groups, ofGroups = deflated.ofGroups, all = rowsOfValues(pairs)] {
-    SchwarzPreconditioner::Groups groups{find(), {}};
-    std::vector<std::vector<int>> rows(groups.members.size());
+std::function<std::vector<Eigen::MatrixXd>(const std::vector<PairGroup>&)> matricesOfGroups(const ContactOperators::Deflated& deflated,
+                                                                                           const std::vector<PairLaw>& pairs) {
+  if (!deflated.ofGroups) return {};
+  return [ofGroups = deflated.ofGroups, all = rowsOfValues(pairs)](const std::vector<PairGroup>& groups) {
+    std::vector<std::vector<int>> rows(groups.size());
     for (std::size_t g = 0; g < rows.size(); ++g)
-      for (const int pair : groups.members[g].pairs)
-        rows[g].insert(rows[g].end(), all.begin() + 3 * pair, all.begin() + 3 * pair + 3);
-    groups.M = ofGroups(rows);
-    return groups;
+      for (const int pair : groups[g].pairs) rows[g].insert(rows[g].end(), all.begin() + 3 * pair, all.begin() + 3 * pair + 3);
+    return ofGroups(rows);
   };
 }
 
@@ -52,7 +50,7 @@ CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflate
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
       matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps,
-               deflated.entriesRead, groupsOf(deflated, dual.pairs)}, balance.vectors(),
+               deflated.entriesRead, deflated.groups, matricesOfGroups(deflated, dual.pairs)}, balance.vectors(),
               deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(options.penalty * without),

@@ -44,6 +44,7 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
       makeWhole_(std::move(parts.dense)),
       makeSmooth_(std::move(parts.smooth)),
       findGroups_(std::move(parts.groups)),
+      ofGroups_(std::move(parts.ofGroups)),
       vectors_(vectors),
       numbering_(vectors),
       diagonal_(std::move(parts.diagonal)),
@@ -108,16 +109,20 @@ void ContactMatrix::keepCoarse(ContactCoarse coarse) const {
   isCoarseReady_ = false;
 }
 
-// For factors.  What was made for products has not the digits of what is made whole.
+void ContactMatrix::makeDense() const {
+  if (dense_.size() > 0) return;
+  keepDense(makeWhole_ ? Eigen::MatrixXd(scaling_ * makeWhole_()) : byColumns());
+}
+
+// For factors.
 void ContactMatrix::makeDirect() const {
-  if (makeWhole_) keepDense(scaling_ * makeWhole_());
-  else if (dense_.size() == 0) keepDense(byColumns());
+  makeDense();
   isDirect_ = true;
 }
 
 // Half of a dense symmetric matrix is read by a product; it is made where more than that has been read long enough to pay for it.
 void ContactMatrix::makeDenseForProducts() const {
-  if (isCheaperDense_ && dense_.size() == 0 && options_.productsOfRow * products_ > numbering_.size()) keepDense(byColumns());
+  if (isCheaperDense_ && options_.productsOfRow * products_ > numbering_.size()) makeDense();
 }
 
 // Symmetric and without the kernel, as M is but for round-off and the single precision of its parts.
@@ -292,7 +297,7 @@ bool ContactMatrix::makeMore(bool isConverged, Method method) const {
   const bool isMany = numbering_.size() >= options_.groupRows;
   numLost_ = isConverged ? 0 : numLost_ + 1;
   if (method == Method::Gmres && !groups_ && findGroups_ && isMany) {
-    if (!isConverged || areGroupsCheaper(mean)) groups_ = std::make_unique<SchwarzPreconditioner>(numbering_, findGroups_());
+    if (!isConverged || areGroupsCheaper(mean)) makeGroups();
     return groups_ != nullptr;
   }
   if (!coarse_ && makeSmooth_ && isMany) {
@@ -303,6 +308,18 @@ bool ContactMatrix::makeMore(bool isConverged, Method method) const {
   const bool isDear = !groups_ && !coarse_ && products_ > numbering_.size() && mean > productsOfFactor_;
   if ((isLost || isDear) && numbering_.size() <= options_.rowsOfStep * options_.linearSteps) makeDirect();
   return isDirect_;
+}
+
+// Parts of the matrix cost nothing beside it.
+void ContactMatrix::makeGroups() const {
+  if (isCheaperDense_ || !ofGroups_) makeDense();
+  auto members = findGroups_();
+  if (dense_.size() > 0) {
+    groups_ = std::make_unique<SchwarzPreconditioner>(numbering_, members, dense_ / scaling_);
+    return;
+  }
+  auto M = ofGroups_(members);
+  groups_ = std::make_unique<SchwarzPreconditioner>(numbering_, SchwarzPreconditioner::Groups{std::move(members), std::move(M)});
 }
 
 double ContactMatrix::entriesOfProduct() const { return dense_.size() > 0 ? 0.5 * double(dense_.size()) : entriesRead_; }

@@ -34,7 +34,9 @@ class ContactMatrix {
     Eigen::MatrixXd kernel{};  ///< [3 pairs x k] independent; M does not feel them: motions of floating bodies.  Maybe empty.
     std::function<Eigen::MatrixXd()> smooth{};  ///< makes jumps for a coarse space [3 pairs x any].  Collective.  Empty: there are none.
     double entriesRead = 0;                     ///< of matrices, in a product by M, over all ranks; 0: as many as of a dense one
-    std::function<SchwarzPreconditioner::Groups()> groups{};  ///< makes groups of pairs that overlap, with M of each.  Collective.  Empty: there are none.
+    std::function<std::vector<PairGroup>()> groups{};  ///< makes groups of pairs that overlap.  Collective.  Empty: there are none.
+    /// About M of each group by itself, of all ranks' values, rank after rank: where the matrix is not made.  Collective.
+    std::function<std::vector<Eigen::MatrixXd>(const std::vector<PairGroup>&)> ofGroups{};
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
@@ -85,7 +87,9 @@ class ContactMatrix {
   Eigen::VectorXd consistentPart(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& N, const Eigen::VectorXd& b) const;
   Eigen::VectorXd partIn(const Eigen::MatrixXd& motions, const Eigen::VectorXd& x) const;
   void makeDirect() const;
+  void makeDense() const;
   void makeDenseForProducts() const;
+  void makeGroups() const;
   void keepDense(const Eigen::MatrixXd& matrix) const;
   Eigen::MatrixXd multiplyMany(const Eigen::MatrixXd& X) const;
   void makeCoarse() const;
@@ -113,7 +117,8 @@ class ContactMatrix {
   RCP<const Operator> M_;  // times scaling_
   double scaling_ = 1;
   std::function<Eigen::MatrixXd()> makeWhole_, makeSmooth_;
-  std::function<SchwarzPreconditioner::Groups()> findGroups_;
+  std::function<std::vector<PairGroup>()> findGroups_;
+  std::function<std::vector<Eigen::MatrixXd>(const std::vector<PairGroup>&)> ofGroups_;
   const DualVectors& vectors_;
   ContactNumbering numbering_;
   Eigen::VectorXd diagonal_;

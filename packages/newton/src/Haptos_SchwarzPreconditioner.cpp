@@ -73,9 +73,23 @@ Eigen::MatrixXd symmetricInverse(const Eigen::MatrixXd& G) {
 
 }  // namespace
 
-SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups, Form form)
-    : numbering_(numbering), form_(form), groups_(groups.members.size()), shares_(Eigen::VectorXd::Zero(numbering.size())) {
-  for (const Member& member : gatheredOnAll(numbering.vectors().comm(), membersOf(groups.members, numbering.first() / 3))) {
+SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups, Form form) : numbering_(numbering), form_(form) {
+  findValues(groups.members);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (isHeld(g)) groups_[g].M = std::move(groups.M[g]);
+}
+
+SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, const std::vector<PairGroup>& members, const Eigen::MatrixXd& M)
+    : numbering_(numbering), form_(Form::Restricted) {
+  findValues(members);
+  for (std::size_t g = 0; g < groups_.size(); ++g)
+    if (isHeld(g)) groups_[g].M = M(groups_[g].values, groups_[g].values);
+}
+
+void SchwarzPreconditioner::findValues(const std::vector<PairGroup>& members) {
+  groups_.resize(members.size());
+  shares_ = Eigen::VectorXd::Zero(numbering_.size());
+  for (const Member& member : gatheredOnAll(numbering_.vectors().comm(), membersOf(members, numbering_.first() / 3))) {
     Group& group = groups_[member.group];
     for (Eigen::Index value = 3 * member.pair; value < 3 * member.pair + 3; ++value) {
       if (member.isOwn) group.own.push_back(Eigen::Index(group.values.size())), group.ownValues.push_back(value);
@@ -84,8 +98,6 @@ SchwarzPreconditioner::SchwarzPreconditioner(const ContactNumbering& numbering, 
     }
   }
   shares_ = shares_.cwiseSqrt().cwiseInverse();
-  for (std::size_t g = 0; g < groups_.size(); ++g)
-    if (isHeld(g)) groups_[g].M = std::move(groups.M[g]);
 }
 
 SchwarzPreconditioner SchwarzPreconditioner::withForm(Form form) const {

@@ -25,6 +25,8 @@ class SchwarzPreconditioner {
   enum class Form { Restricted, Symmetric };
   /// \param numbering stays with the caller.  Collective.
   SchwarzPreconditioner(const ContactNumbering& numbering, Groups groups, Form form = Form::Restricted);
+  /// \param M [all contact values]^2, of which groups take their parts
+  SchwarzPreconditioner(const ContactNumbering& numbering, const std::vector<PairGroup>& members, const Eigen::MatrixXd& M);
   SchwarzPreconditioner withForm(Form form) const;  ///< of the same groups, to be renewed
 
   /// \brief For scaling M and the blocks of all ranks (`ContactNumbering::blocksOfAll`); groups of which no pair has changed keep what they have
@@ -44,6 +46,7 @@ class SchwarzPreconditioner {
     Eigen::MatrixXd blocks{};              // [values x 6] of the factor
     Eigen::MatrixXd M{}, inverse{};        // where the group is held; [own x values], D G^-1 D [values x values] of the symmetric form
   };
+  void findValues(const std::vector<PairGroup>& members);
   bool isHeld(std::size_t group) const;
   Eigen::MatrixXd inverseOf(const Group& group, const Eigen::MatrixXd& blocks) const;
 

@@ -160,7 +160,7 @@ struct SubspaceNewtonOptions {
     int rowsOfStep = 40;  ///< decisions/040
     /// Products that read more than half of the dense matrix have it made once they are one for so many rows: a column costs a fourth of a product, as
     /// many come at a time (decisions/049).
-    int productsOfRow = 4;
+    int productsOfRow = 12;
     /// Beyond so many rows it is read from memory, at this price an entry, while what products read of M mostly lies in a processor's own: with 2646 rows 1.75 ms,
     /// where products that read half as much again took .9 (decisions/049).
     int rowsInCache = 2000;

@@ -192,7 +192,7 @@ using Smooth = std::function<Eigen::MatrixXd()>;
 using Groups = std::function<SchwarzPreconditioner::Groups()>;
 
 ContactMatrix matrixOf(const Scene& t, const SoftMatrix& m, bool isFloating, const Smooth& smooth, const Groups& groups,
-                       const SubspaceNewtonOptions::Condensed& options, RCP<const CountedOperator>* counted = nullptr) {
+                       const SubspaceNewtonOptions::Condensed& options, RCP<const CountedOperator>* counted = nullptr, bool haveMatrices = true) {
   const auto contactPart = [&](const DenseVector& x) { return t.contactPart(x); };
   DenseMatrix whole = DenseMatrix::Zero(t.GT.rows(), t.GT.rows());
   whole.topLeftCorner(kRows, kRows) = m.M;
@@ -200,7 +200,13 @@ ContactMatrix matrixOf(const Scene& t, const SoftMatrix& m, bool isFloating, con
   for (Eigen::Index j = 0; j < kernel.cols(); ++j) kernel.col(j) = contactPart(t.GT.topRows(kRows).rightCols(6).col(j));
   const RCP<const CountedOperator> M = rcp(new CountedOperator(contactBlockOf(rcp(new DenseOperator(t.setup.map, whole)), t.dual.pairs)));
   if (counted) *counted = M;
-  return ContactMatrix({M, contactPart(m.M.diagonal()), {}, kernel, smooth, 0, groups}, t.vectors, ContactMatrix::Kind::Products, options);
+  ContactMatrix::Parts parts{M, contactPart(m.M.diagonal()), {}, kernel, smooth};
+  if (groups) {
+    const auto made = std::make_shared<SchwarzPreconditioner::Groups>();
+    parts.groups = [groups, made] { return (*made = groups()).members; };
+    if (haveMatrices) parts.ofGroups = [made](const auto&) { return made->M; };
+  }
+  return ContactMatrix(parts, t.vectors, ContactMatrix::Kind::Products, options);
 }
 
 // Errors of (M + K) d = b and of (A M + B) d = b, relative; the matrix was scaled.
@@ -288,8 +294,8 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, FewStepsSolveWhatGroupsMakeHard) {
   auto options = fewSteps(false);
   options.linearSteps = 20;
   const Groups groups = [&] { return groupsOf(t, m.M); };
-  const auto errorOfSecond = [&](const Groups& some) {  // groups come once GMRES wants them
-    const ContactMatrix matrix = matrixOf(t, m, false, {}, some, options);
+  const auto errorOfSecond = [&](const Groups& some, bool haveMatrices = true) {  // groups come once GMRES wants them
+    const ContactMatrix matrix = matrixOf(t, m, false, {}, some, options, nullptr, haveMatrices);
     errorsOf(matrix, t, m, 1, false);
     return errorsOf(matrix, t, m, 1, false);
   };
@@ -298,6 +304,7 @@ TEUCHOS_UNIT_TEST(SchwarzPreconditioner, FewStepsSolveWhatGroupsMakeHard) {
   TEST_COMPARE(errorOfSecond(groups).maxCoeff(), >, 1e-3);  // conjugate gradients are left without them where products read next to nothing
   options.groupFactor = 0;
   TEST_COMPARE(errorOfSecond(groups).maxCoeff(), <, 1e-6);
+  TEST_COMPARE(errorOfSecond(groups, false).maxCoeff(), <, 1e-6);  // parts of the matrix, made for them
 }
 
 // They cost products with M, which need not be made again.

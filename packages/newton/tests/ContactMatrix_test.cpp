@@ -352,7 +352,7 @@ TEUCHOS_UNIT_TEST(ContactMatrix, IsMadeWhereProductsHaveCostAsMuch) {
       before = std::exchange(last, M->applications());
     }
     TEST_EQUALITY(last == before, rowsOfStep == 40 || entriesRead > 0);
-    if (entriesRead > 0) TEST_COMPARE(double(last), <, 2 * rows);  // a fourth of the rows, what a solve takes, and the columns
+    if (entriesRead > 0) TEST_COMPARE(double(last), <, 2 * rows);  // a twelfth of the rows, what a solve takes, and the columns
   }
 }
 

@@ -38,7 +38,8 @@ struct Accuracy {
   KktErrors errors;
   KktScales scales;
   double ext = 0;    ///< see externalForce [force]
-  double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext
+  double floor = 0;  ///< the equilibrium that round-off allows: eps || |K| |u| || / ext, a bound
+  static constexpr double kReached = 0.1;  ///< of the floor: measured errors end at about this
   bool withoutForce = false;  ///< no load and no more than round-off: all errors in force are 0
   int residualBody = -1;              ///< the body with the largest part of the residual
   std::int64_t differenceNode = -1;   ///< mesh node with the largest difference of copies, or to a prescribed value

@@ -23,6 +23,7 @@ struct SolveRequest {
   double tolerance;           ///< of the residual that the method estimates kkt by
   long maximumMultiplications;  ///< of F, counted from the start of the run
   bool isDoubted = false;     ///< the method took something for an answer that the measure from u refused
+  double roundOff = 1;  ///< part of what round-off usually hides that it may hide: less where the written field shows what was hidden
   RCP<const Vector> jumps = Teuchos::null;  ///< B u - c of its last solution, free of what its own recursion has lost; or null
 };
 

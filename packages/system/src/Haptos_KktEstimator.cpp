@@ -58,9 +58,8 @@ double KktEstimator::errorsAt(double uRef, const Vector& lambda, const Vector& s
 
 // What round-off hides; 0 where there is no answer yet that it could hide.
 double KktEstimator::hidden() const {
-  constexpr double kHidden = 0.1;        // of the floor, which is a bound: measured errors end at about this
   constexpr double kLargestFloor = 1e-2;  // above it the state is a start without forces, not an answer hidden by round-off
-  return floor_ < kLargestFloor ? kHidden * floor_ : 0.0;
+  return floor_ < kLargestFloor ? partHidden_ * Accuracy::kReached * floor_ : 0.0;
 }
 
 // In the order of cost: contact and gluing, equilibrium, and a local solve for the scale only where all else passes.

@@ -27,6 +27,7 @@ class KktEstimator {
   /// Collective: two reductions, a third where equilibrium is looked at.
   double estimate(const Vector& lambda, const Vector& s, double tolerance, Scale scale = Scale::Trusted);
 
+  void limitRoundOff(double part) { partHidden_ = part; }  ///< of what it usually hides
   double kkt() const { return kkt_; }                ///< at the last estimate, floor or not
   bool isRoundOff() const { return kkt_ <= 30 * hidden(); }  ///< within three times the floor: more work can hardly lower it
   double contactForce() const { return contactForce_; }  ///< l_ref at the last estimate [force]
@@ -45,7 +46,7 @@ class KktEstimator {
   const FetiSystem& system_;
   const LoadScales& loads_;
   bool isBalanced_, isWithoutForce_ = false;
-  double uRef_ = -1, roundOff_ = 0, floor_ = 0, kkt_ = 0, contactForce_ = 0;
+  double uRef_ = -1, roundOff_ = 0, floor_ = 0, kkt_ = 0, contactForce_ = 0, partHidden_ = 1;
 };
 
 }  // namespace Haptos

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 
+#include "Haptos_ConjugateDirections.hpp"
 #include "Haptos_FetiSystem.hpp"
 #include "Haptos_Reductions.hpp"
 
@@ -68,7 +69,8 @@ bool takesMore(long many, long k, double residual, double tolerance) { return do
 }  // namespace
 
 // Polynomials are cheap; spectral motions of large subdomains cost far more than those of others: these alone come first.
-PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
+PcpgSolver::PcpgSolver(SolverContext context, int maximumDirections)
+    : context_(std::move(context)), directions_(std::make_unique<ConjugateDirections>(*context_.system.dual().map(), maximumDirections)) {
   const FetiSystem& system = context_.system;
   if (!system.preconditioner().is_null()) {
     if (system.largestBoundary() > DeflatedMotions::kUsualSpectrum) cures_.push_back({DeflatedMotions::kLargestSpectrum});
@@ -76,8 +78,7 @@ PcpgSolver::PcpgSolver(SolverContext context) : context_(std::move(context)) {
     if (system.mayDeflateByPolynomials()) cures_.push_back({Cure::kPolynomials});
   }
   begin(context_.start);
-  if (context_.system.needsDeflation()) deflate();
-  else use(context_.system.preconditioner());
+  if (!context_.system.needsDeflation() || !deflate()) use(context_.system.preconditioner());
 }
 
 PcpgSolver::~PcpgSolver() = default;
@@ -101,12 +102,22 @@ bool PcpgSolver::isTooSlow(long k, double residual, double tolerance) const {
   return k > 0 && k % kLook == 0 && takesMore(kVeryMany, k, residual, tolerance);
 }
 
-void PcpgSolver::deflate() {
+// Whether there is another preconditioner.
+bool PcpgSolver::deflate() {
   const FetiSystem& system = context_.system;
   const Cure cure = cures_.back();
   cures_.pop_back();
-  deflated_ = cure.isPolynomials() ? system.makeDeflatedByPolynomials() : system.makeDeflated(DeflatedMotions::Spectra{cure.largestBoundary});
-  use(deflated_.is_null() ? RCP<const Operator>(system.preconditioner()) : RCP<const Operator>(deflated_));
+  const auto deflated = cure.isPolynomials() ? system.makeDeflatedByPolynomials() : system.makeDeflated(DeflatedMotions::Spectra{cure.largestBoundary});
+  if (deflated.is_null()) return false;
+  deflated_ = deflated;
+  use(deflated_);
+  return true;
+}
+
+bool PcpgSolver::deflateByAny() {
+  while (!cures_.empty())
+    if (deflate()) return true;
+  return false;
 }
 
 void PcpgSolver::renew() {
@@ -139,27 +150,33 @@ void PcpgSolver::begin(const RCP<const Vector>& start) {
 
 // r = h - F lambda + G^T a with any a, as p . G^T a = 0; P_D^T takes a such that it is small.
 //
-//   r := P_D^T r,  z := P_D M r;   p := z + (r.z / r_old.z_old) p;   t := r.z / p.F p;   lambda += t p,  r -= t F p
+//   r := P_D^T r,  z := P_D M r;   p := z - P (F P)^T z + (r.z / r_old.z_old) p;   t := r.z / p.F p;   lambda += t p,  r -= t F p
 //
-// The residual || r || that is left, of the reference; 0 where it is below the tolerance.  It ends early where M is to be deflated.
-double PcpgSolver::iterate(double tolerance, long most) {
+// P: directions that are kept, the last p not among them.  It ends early where M was deflated.
+PcpgSolver::End PcpgSolver::iterate(double tolerance, long most) {
+  constexpr int kUsual = 20;  // iterations of a problem of which none is kept
   const DualProblem& dual = context_.system.dual();
   Vector r(*dual.jumpsOf(*lambda_), Teuchos::Copy), z(dual.map()), p(dual.map()), Fp(dual.map());
+  directions_->step(*lambda_, r);
   double before = 0;
+  bool isKept = false;
   for (long k = 0;; ++k) {
     preconditioner_->apply(r, z);
     const auto [rz, rr] = products(r, z);
     const double residual = std::sqrt(rr) / reference_;
-    if (residual <= tolerance) return 0.0;
-    if (k == most || isTooSlow(k, residual, tolerance)) return residual;
-    p.update(1.0, z, k == 0 ? 0.0 : rz / before);
+    if (residual <= tolerance) return End::Converged;
+    if (k == most) return End::NoMore;
+    if (isTooSlow(k, residual, tolerance) && deflate()) return End::Deflated;
+    directions_->makeConjugate(z);
+    p.update(1.0, z, k == 0 || isKept ? 0.0 : rz / before);
     dual.F->apply(p, Fp);
     const double pFp = p.dot(Fp);
-    if (!(rz > 0 && pFp > 0)) return residual;  // round-off is all that is left
+    if (!(rz > 0 && pFp > 0)) return End::NoMore;  // round-off is all that is left; NaN is no success
     lambda_->update(rz / pFp, p, 1.0);
     r.update(-rz / pFp, Fp, 1.0);
     before = rz;
-    ++iterations_;
+    isKept = ++iterations_ >= kUsual && !directions_->isFull();
+    if (isKept) directions_->append(p, Fp, pFp);
   }
 }
 
@@ -168,11 +185,11 @@ double PcpgSolver::iterate(double tolerance, long most) {
 bool PcpgSolver::converge(const SolveRequest& request) {
   // Two more: where it begins again, and for s.
   const auto left = [&] { return std::max(1L, request.maximumMultiplications - context_.system.dual().F->applications() - 2); };
-  while (iterate(request.tolerance, left()) != 0) {  // NaN is no success
-    if (cures_.empty() || left() < 2) return false;
-    deflate();
+  for (;;) {
+    const End end = iterate(request.tolerance, left());
+    if (end == End::Converged) return true;
+    if (left() < 2 || (end == End::NoMore && !deflateByAny())) return false;
   }
-  return true;
 }
 
 bool PcpgSolver::solve(const SolveRequest& request) {

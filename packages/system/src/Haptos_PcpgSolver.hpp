@@ -8,6 +8,7 @@
 namespace Haptos {
 
 class BalancedPreconditioner;
+class ConjugateDirections;
 
 /// \brief Preconditioned conjugate projected gradients for bodies without contact (Farhat and Roux 1991).
 ///
@@ -15,7 +16,8 @@ class BalancedPreconditioner;
 /// rows exist, so lambda is free.
 class PcpgSolver final : public ContactSolver {
  public:
-  explicit PcpgSolver(SolverContext context);
+  /// \param maximumDirections that are kept where iterations are many
+  PcpgSolver(SolverContext context, int maximumDirections);
   ~PcpgSolver() override;
 
   std::string name() const override { return "PCPG"; }
@@ -39,15 +41,18 @@ class PcpgSolver final : public ContactSolver {
   void begin(const RCP<const Vector>& start);
   void balance();
   void use(RCP<const Operator> M);
-  void deflate();
+  bool deflate();
+  bool deflateByAny();
   bool isTooSlow(long k, double residual, double tolerance) const;
-  double iterate(double tolerance, long most);
+  enum class End { Converged, Deflated, NoMore };
+  End iterate(double tolerance, long most);
   bool converge(const SolveRequest& request);
 
   SolverContext context_;
   RCP<Vector> lambda_;      ///< G lambda = e
   double reference_ = 0;    ///< || P (h - F lambdaIm) || [length], what residuals are compared with; 0: loads need no lambda but lambdaIm
   std::unique_ptr<const BalancedPreconditioner> preconditioner_;
+  std::unique_ptr<ConjugateDirections> directions_;  ///< once iterations are many
   std::vector<Cure> cures_;  ///< that were not tried yet, the next one last
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;

@@ -66,7 +66,7 @@ std::unique_ptr<ContactSolver> StepSolver::makeSolver() const {
   const SolverContext context{*system_, loads_, observer_.progress, start_};
   switch (method) {
     case SolverMethod::Smalse: return std::make_unique<SmalseContactSolver>(context, options_.solver.smalse);
-    case SolverMethod::Pcpg: return std::make_unique<PcpgSolver>(context);
+    case SolverMethod::Pcpg: return std::make_unique<PcpgSolver>(context, options_.solver.maximumRecycledPairs);
     case SolverMethod::SubspaceNewton: return std::make_unique<SubspaceNewtonSolver>(context, options_.solver);
     case SolverMethod::Automatic: break;
   }
@@ -122,14 +122,16 @@ bool StepSolver::iterate(StepResult& result) try {
     if (isNew) measureNow(SmoothingEffort::Usual);
     const KktErrors& errors = result.accuracy.errors;
     const double kkt = errors.kkt();
-    if (kkt <= std::max(tolerance, result.accuracy.floor) || !passed || !std::isfinite(kkt)) break;
+    if (kkt <= std::max(tolerance, Accuracy::kReached * result.accuracy.floor) || !passed || !std::isfinite(kkt)) break;
     // The method's scale of displacements mostly is all that was wrong, unless it is what no method looks at.
     request.isDoubted = kkt > errors.fieldEquilibrium;
     request.jumps = jumps;
     isAskedAgain = isNew && !isAskedAgain && solver_->tracksJumps();
     if (isAskedAgain) continue;
     // Half of what is too much, but by no more than two digits at a time: the two measures are not proportional.
-    request.tolerance *= request.isDoubted && request.tolerance == tolerance ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    const double tighter = request.isDoubted && request.tolerance == tolerance ? 0.5 : std::clamp(0.5 * tolerance / kkt, 0.01, 0.5);
+    request.tolerance *= tighter;
+    if (!request.isDoubted) request.roundOff *= tighter;
   }
   if (passed && result.accuracy.errors.kkt() > tolerance) measureNow(SmoothingEffort::Last);
   return passed;

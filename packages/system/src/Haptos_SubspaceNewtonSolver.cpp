@@ -104,7 +104,8 @@ struct SubspaceNewtonSolver::Impl {
     deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Spectra::atAnyPrice() : usual);
     if (deflated.is_null()) return {};
     const DeflatedPreconditioner::Block block = deflated->contactBlock();
-    ContactOperators::Deflated made{deflated, block.M, trueStiffness(), [M = deflated](const std::vector<int>& rows) { return M->between(rows); }};
+    ContactOperators::Deflated made{deflated, block.M, trueStiffness(), block.between};
+    if (block.M.is_null()) made.between = [M = deflated](const std::vector<int>& rows) { return M->between(rows); };
     made.smoothJumps = [system = &context.system] { return smoothJumps(*system->model().multipliers, placesOfPairs(*system)); };
     made.groups = [system = &context.system] { return groupsOfPairs(*system->model().multipliers, placesOfPairs(*system)); };
     made.ofGroups = block.ofGroups;
@@ -129,6 +130,7 @@ struct SubspaceNewtonSolver::Impl {
   // The manager counts its own multiplications, a request those of the whole run.
   void setRequest(const SolveRequest& r) {
     request = r;
+    estimator->limitRoundOff(r.roundOff);
     const long others = context.system.dual().F->applications() - manager.hessianApplications();
     auto options = manager.options();
     options.tolerance = request.tolerance;
