@@ -3,6 +3,7 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_MultiVector.hpp>
+#include <array>
 #include <cmath>
 #include <vector>
 
@@ -10,11 +11,38 @@
 #include "Haptos_DenseSymmetric.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_Rendezvous.hpp"
+#include "Haptos_SparseBlocks.hpp"
+#include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
 
+namespace {
+
+constexpr double kEntryOfSparse = 1.5;  // bytes read with its row number, in those of an entry
+
+}  // namespace
+
+// The same choice on all ranks.
+DeflatedContactBlock::DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::SparseMatrix<double> Y, Eigen::MatrixXd C) : block_(base) {
+  const double k = double(Y.cols());
+  const auto sizes = sumOfAll(*getRangeMap()->getComm(), std::array<double, 2>{double(Y.nonZeros()), double(Y.rows())});
+  if (2 * kEntryOfSparse * sizes[0] + 0.5 * k * k >= 2 * sizes[1] * double(C.rows())) {
+    W_ = timesColumns(Y, C.transpose());
+    return;
+  }
+  Y_ = std::move(Y);
+  C_ = std::move(C);
+  K_ = transposedProduct(C_, C_);
+}
+
+double DeflatedContactBlock::entriesRead() const {
+  if (!isSparse()) return block_.entriesRead() + 2 * double(W_.size());
+  return block_.entriesRead() + 2 * kEntryOfSparse * double(Y_.nonZeros()) + 0.5 * double(K_.size());
+}
+
 // W^T X, of unit vectors by few rows
 Eigen::MatrixXd DeflatedContactBlock::transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
+  if (isSparse()) return timesColumns(Y_.transpose(), X);
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < X.rows() && X.cols() > 1; ++i)
     if (!X.row(i).isZero(0)) rows.push_back(i);
@@ -22,16 +50,23 @@ Eigen::MatrixXd DeflatedContactBlock::transposedTimes(const Eigen::Ref<const Eig
   return Eigen::MatrixXd(W_(rows, Eigen::all)).transpose() * X(rows, Eigen::all);
 }
 
+// result -= alpha W W^T X
+void DeflatedContactBlock::subtract(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> result) const {
+  const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
+  if (isSparse()) result -= timesColumns(Y_, g.cols() == 1 ? Eigen::MatrixXd(alpha * symmetricTimes(K_, g.col(0))) : product(K_, alpha * g));
+  else if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), result.col(0));
+  else result.noalias() -= W_ * (alpha * g);
+}
+
 void DeflatedContactBlock::apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode, double alpha, double beta) const {
   using Columns = Eigen::OuterStride<>;
   block_.apply(x, y, mode, alpha, beta);
   const auto from = x.get1dView();
   const auto to = y.get1dViewNonConst();
-  const Eigen::Map<const Eigen::MatrixXd, 0, Columns> X(from.getRawPtr(), W_.rows(), Eigen::Index(x.getNumVectors()), Columns(Eigen::Index(x.getStride())));
-  Eigen::Map<Eigen::MatrixXd, 0, Columns> Y(to.getRawPtr(), W_.rows(), Eigen::Index(y.getNumVectors()), Columns(Eigen::Index(y.getStride())));
-  const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
-  if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), Y.col(0));
-  else Y.noalias() -= W_ * (alpha * g);
+  const Eigen::Index rows = Eigen::Index(x.getLocalLength());
+  const Eigen::Map<const Eigen::MatrixXd, 0, Columns> X(from.getRawPtr(), rows, Eigen::Index(x.getNumVectors()), Columns(Eigen::Index(x.getStride())));
+  Eigen::Map<Eigen::MatrixXd, 0, Columns> Y(to.getRawPtr(), rows, Eigen::Index(y.getNumVectors()), Columns(Eigen::Index(y.getStride())));
+  subtract(alpha, X, Y);
 }
 
 namespace {
@@ -51,7 +86,7 @@ Eigen::MatrixXd betweenInverses(Eigen::MatrixXd G, const Eigen::MatrixXd& A) {
 // Of rows that ranks give, -1: none
 DeflatedContactBlock::RowsOfAll DeflatedContactBlock::rowsOfAll(std::vector<int> rows) const {
   const auto& comm = *getRangeMap()->getComm();
-  const int before = sumOfLower(comm, int(W_.rows()));
+  const int before = sumOfLower(comm, int(localNumElements(*getRangeMap())));
   for (int& row : rows) row = row < 0 ? -1 : before + row;
   rows = gatheredOnAll(comm, rows);
   RowsOfAll result{{}, {}, Eigen::Index(rows.size())};
@@ -63,9 +98,11 @@ DeflatedContactBlock::RowsOfAll DeflatedContactBlock::rowsOfAll(std::vector<int>
 // W of all ranks' rows
 Eigen::MatrixXd DeflatedContactBlock::rootOfAll() const {
   const auto& comm = *getRangeMap()->getComm();
-  const int mine = int(W_.rows());
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(sumOfAll(comm, mine), W_.cols());
-  W.middleRows(sumOfLower(comm, mine), mine) = W_;
+  const Eigen::MatrixXd root = isSparse() ? timesColumns(Y_, C_.transpose()) : Eigen::MatrixXd();
+  const Eigen::MatrixXd& mine = isSparse() ? root : W_;
+  const int rows = int(mine.rows());
+  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(sumOfAll(comm, rows), mine.cols());
+  W.middleRows(sumOfLower(comm, rows), rows) = mine;
   return sumOfAll(comm, W);
 }
 

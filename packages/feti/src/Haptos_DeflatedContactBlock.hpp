@@ -10,16 +10,18 @@ namespace Haptos {
 /// \brief M_cc - W W^T, on `MultiplierMap::contactMap`: M_Z between contact rows, where nothing is slender.
 ///
 /// Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S, and W W^T = Y_c K^+ Y_c^T with Y = B_D S Z.  W lies with its contact rows; W^T x is
-/// summed over the ranks.
+/// summed over the ranks.  On large surfaces most of Y is zero, and Y_c and K^+ are kept instead of W.
 class DeflatedContactBlock final : public Operator {
  public:
   /// \param W [owned contact rows x any]
   DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::MatrixXd W) : block_(base), W_(std::move(W)) {}
+  /// \param Y [owned contact rows x motions], \param C [any x motions], the same on all ranks, with K^+ = C^T C: W = Y C^T.  Collective.
+  DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::SparseMatrix<double> Y, Eigen::MatrixXd C);
 
   RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
-  double entriesRead() const { return block_.entriesRead() + 2 * double(W_.size()); }  ///< of this rank
+  double entriesRead() const;  ///< of this rank
   /// Collective: as `ContactBlock`, and one sum.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0, double beta = 0.0) const override;
 
@@ -41,11 +43,15 @@ class DeflatedContactBlock final : public Operator {
     Eigen::Index count;             // of those given
   };
   RowsOfAll rowsOfAll(std::vector<int> rows) const;
+  bool isSparse() const { return C_.size() > 0; }
   Eigen::MatrixXd rootOfAll() const;
+  void subtract(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> result) const;
   Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
 
   ContactBlock block_;
-  Eigen::MatrixXd W_;
+  Eigen::MatrixXd W_;               // or
+  Eigen::SparseMatrix<double> Y_;   // W = Y C^T, and
+  Eigen::MatrixXd C_, K_;           // C^T C, both triangles
 };
 
 }  // namespace Haptos

@@ -208,7 +208,7 @@ DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
   const bool isSlender = std::any_of(L_.begin(), L_.end(), [](const Eigen::MatrixXd& L) { return L.size() > 0; });
   if (anyOfAll(comm, isSlender)) return {};
   const std::vector<int>& contact = base_->jump().multipliers().contactRows();
-  const auto block = Teuchos::rcp(new DeflatedContactBlock(base_, rootOfDeflation(rowsOfBCZ(contact))));
+  const auto block = makeContactBlock(rowsOfBCZ(contact));
   const auto positions = [contact](std::vector<int> rows) {
     for (int& row : rows)
       if (row >= 0) row = int(std::lower_bound(contact.begin(), contact.end(), row) - contact.begin());
@@ -222,22 +222,41 @@ DeflatedPreconditioner::Block DeflatedPreconditioner::contactBlock() const {
   return {block, sumOfAll(comm, block->entriesRead()), ofGroups, between};
 }
 
-// W with W W^T = Y K^+ Y^T, of as few columns as are needed: motions without contact have nothing in Y.  Between the others K^+ is C^T C, and
+namespace {
+
+// Columns of A without what is round-off of theirs; sizes: sums of magnitudes over all ranks.
+Eigen::SparseMatrix<double> sparseColumns(const Eigen::MatrixXd& A, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& sizes) {
+  constexpr double kNothing = 1e-16;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (Eigen::Index i = 0; i < A.rows(); ++i)
+      if (const double value = A(i, columns[j]); std::abs(value) > kNothing * sizes[columns[j]]) entries.emplace_back(int(i), int(j), value);
+  Eigen::SparseMatrix<double> result(A.rows(), Eigen::Index(columns.size()));
+  result.setFromTriplets(entries.begin(), entries.end());
+  return result;
+}
+
+}  // namespace
+
+// With W W^T = Y K^+ Y^T, of as few columns as are needed: motions without contact have nothing in Y.  Between the others K^+ is C^T C, and
 // with C = Q R they have W = Y R^T.
-Eigen::MatrixXd DeflatedPreconditioner::rootOfDeflation(const Eigen::MatrixXd& Y) const {
+RCP<const DeflatedContactBlock> DeflatedPreconditioner::makeContactBlock(const Eigen::MatrixXd& Y) const {
   const Eigen::VectorXd sizes = sumOfAll(*getRangeMap()->getComm(), Eigen::VectorXd(Y.cwiseAbs().colwise().sum().transpose()));
   std::vector<Eigen::Index> touching;
   for (Eigen::Index j = 0; j < sizes.size(); ++j)
     if (sizes[j] > 0) touching.push_back(j);
   const Eigen::Index k = Eigen::Index(touching.size());
-  if (k == 0) return Eigen::MatrixXd(Y.rows(), 0);
-  if (k >= factor_->rank()) return factor_->solveHalf(scale_.asDiagonal() * Y.transpose()).transpose();
+  if (k == 0) return Teuchos::rcp(new DeflatedContactBlock(base_, Eigen::MatrixXd(Y.rows(), 0)));
+  const bool isQrUseless = k >= factor_->rank();
+  if (isQrUseless && sumOfAll(*getRangeMap()->getComm(), int(Y.rows())) < k)
+    return Teuchos::rcp(new DeflatedContactBlock(base_, Eigen::MatrixXd(factor_->solveHalf(scale_.asDiagonal() * Y.transpose()).transpose())));
   Eigen::MatrixXd units = Eigen::MatrixXd::Zero(scale_.size(), k);
   for (Eigen::Index j = 0; j < k; ++j) units(touching[std::size_t(j)], j) = scale_[touching[std::size_t(j)]];
   Eigen::MatrixXd C = factor_->solveHalf(units);
+  if (isQrUseless) return Teuchos::rcp(new DeflatedContactBlock(base_, sparseColumns(Y, touching, sizes), std::move(C)));
   factorQrInPlace(C);
   const Eigen::MatrixXd R = C.topRows(k).triangularView<Eigen::Upper>();
-  return Y(Eigen::all, touching) * R.transpose();
+  return Teuchos::rcp(new DeflatedContactBlock(base_, sparseColumns(Y, touching, sizes), R));
 }
 
 // Cholesky's factor with pivoting of K scaled to unit diagonal: K is singular, as averaged motions of neighbours contain each other.

@@ -13,6 +13,7 @@
 
 namespace Haptos {
 
+class DeflatedContactBlock;
 class PanelJumps;
 
 /// \brief M_Z = B_D Pi^T S Pi B_D^T, Pi = I - Z K^+ Z^T S, K = Z^T S Z: the Dirichlet preconditioner for slender subdomains and hard elements.
@@ -81,7 +82,7 @@ class DeflatedPreconditioner final : public Operator {
   void onSubdomains(MultiVector& t, Local&& local) const;
   void assemble(const std::vector<Eigen::MatrixXd>& motions);
   Eigen::MatrixXd rowsOfBCZ(const std::vector<int>& rows) const;
-  Eigen::MatrixXd rootOfDeflation(const Eigen::MatrixXd& Y) const;
+  RCP<const DeflatedContactBlock> makeContactBlock(const Eigen::MatrixXd& Y) const;
   void factor(const Eigen::MatrixXd& K);
   void project(const SubdomainColumns& A, const SubdomainColumns& C, MultiVector& t) const;
   void appendHalves(int width, std::vector<SubdomainColumns::Piece> pieces, SubdomainColumns& half, SubdomainColumns& rest) const;

@@ -3,7 +3,10 @@
 
 #include <Teuchos_UnitTestHarness.hpp>
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
+#include "Haptos_DeflatedContactBlock.hpp"
 #include "Haptos_LocalSystems.hpp"
 #include "Haptos_PartShape.hpp"
 #include "Haptos_PolynomialMotions.hpp"
@@ -134,6 +137,33 @@ TEUCHOS_UNIT_TEST(DeflatedPreconditioner, GroupsOfContactRows) {
   std::vector<int> rows{-1};
   for (const auto& group : groups) rows.insert(rows.end(), group.begin(), group.end());
   compareBetween(t, block.between(rows), rows, out, success);
+}
+
+// Where Y has few entries it is kept with K^+ in the place of W = Y C^T.
+TEUCHOS_UNIT_TEST(DeflatedPreconditioner, SparseRootsOfContactBlocksAreWhatDenseOnesAre) {
+  constexpr int kMotions = 4, kAny = 12;
+  const Setup t(1.0);
+  const auto& map = *t.feti.dealt.jump->multipliers().contactMap();
+  const int n = int(localNumElements(map));
+  Eigen::SparseMatrix<double> Y(n, kMotions);
+  for (int i = 0; i < n; ++i)
+    if (const auto row = map.getGlobalElement(i); row % 3 == 0) Y.insert(i, int(row / 3 % kMotions)) = 1 + std::sin(double(row));
+  const Dense C = Dense::NullaryExpr(kAny, kMotions, [](Eigen::Index i, Eigen::Index j) { return std::sin(1.0 + double(7 * i + 3 * j)); });
+  const double scale = std::sqrt(largest(denseOf(*t.M)));
+  const DeflatedContactBlock sparse(t.M, Y, scale * C), dense(t.M, Dense(Y) * scale * C.transpose());
+  const auto entriesOf = [&](const DeflatedContactBlock& block) { return sumOfAll(*map.getComm(), block.entriesRead()); };
+  TEST_COMPARE(entriesOf(sparse), <, entriesOf(dense));
+  const Dense wanted = denseOf(dense);
+  TEST_COMPARE(largest(denseOf(sparse) - wanted), <=, 1e-13 * largest(wanted));
+  std::vector<int> rows(static_cast<std::size_t>(n));
+  std::iota(rows.begin(), rows.end(), 0);
+  TEST_COMPARE(largest(sparse.between(rows) - dense.between(rows)), <=, 1e-13 * largest(wanted));
+  TEST_COMPARE(largest(sparse.ofGroups({rows})[0] - dense.ofGroups({rows})[0]), <=, 1e-11 * largest(wanted));
+  MultiVector x(sparse.getDomainMap(), 3), y(sparse.getRangeMap(), 3), z(sparse.getRangeMap(), 3);
+  x.randomize();
+  sparse.apply(x, y, Teuchos::NO_TRANS, 2.0);
+  dense.apply(x, z, Teuchos::NO_TRANS, 2.0);
+  TEST_COMPARE(largestDifference(y, z), <=, 1e-12 * largest(wanted));
 }
 
 // Few spectral modes where few are wanted, none at all where those that are left out are too stiff.
