@@ -22,27 +22,24 @@ constexpr double kEntryOfSparse = 1.5;  // bytes read with its row number, in th
 
 }  // namespace
 
-// The same choice on all ranks.
+// The same choice on all ranks, and on any number of them.
 DeflatedContactBlock::DeflatedContactBlock(const RCP<const DualPreconditioner>& base, Eigen::SparseMatrix<double> Y, Eigen::MatrixXd C) : block_(base) {
-  const double k = double(Y.cols());
   const auto sizes = sumOfAll(*getRangeMap()->getComm(), std::array<double, 2>{double(Y.nonZeros()), double(Y.rows())});
-  if (2 * kEntryOfSparse * sizes[0] + 0.5 * k * k >= 2 * sizes[1] * double(C.rows())) {
+  if (kEntryOfSparse * sizes[0] + double(C.size()) >= sizes[1] * double(C.rows())) {
     W_ = timesColumns(Y, C.transpose());
     return;
   }
   Y_ = std::move(Y);
   C_ = std::move(C);
-  K_ = transposedProduct(C_, C_);
 }
 
 double DeflatedContactBlock::entriesRead() const {
-  if (!isSparse()) return block_.entriesRead() + 2 * double(W_.size());
-  return block_.entriesRead() + 2 * kEntryOfSparse * double(Y_.nonZeros()) + 0.5 * double(K_.size());
+  const double mine = isSparse() ? kEntryOfSparse * double(Y_.nonZeros()) + double(C_.size()) / double(getRangeMap()->getComm()->getSize()) : double(W_.size());
+  return block_.entriesRead() + 2 * mine;
 }
 
 // W^T X, of unit vectors by few rows
 Eigen::MatrixXd DeflatedContactBlock::transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const {
-  if (isSparse()) return timesColumns(Y_.transpose(), X);
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < X.rows() && X.cols() > 1; ++i)
     if (!X.row(i).isZero(0)) rows.push_back(i);
@@ -52,9 +49,14 @@ Eigen::MatrixXd DeflatedContactBlock::transposedTimes(const Eigen::Ref<const Eig
 
 // result -= alpha W W^T X
 void DeflatedContactBlock::subtract(double alpha, const Eigen::Ref<const Eigen::MatrixXd>& X, Eigen::Ref<Eigen::MatrixXd> result) const {
-  const auto g = sumOfAll(*getRangeMap()->getComm(), transposedTimes(X));
-  if (isSparse()) result -= timesColumns(Y_, g.cols() == 1 ? Eigen::MatrixXd(alpha * symmetricTimes(K_, g.col(0))) : product(K_, alpha * g));
-  else if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), result.col(0));
+  const auto& comm = *getRangeMap()->getComm();
+  if (isSparse()) {
+    const auto g = sumOfAll(comm, timesColumns(Y_.transpose(), X));
+    result -= timesColumns(Y_, transposedProduct(C_, product(C_, alpha * g)));
+    return;
+  }
+  const auto g = sumOfAll(comm, transposedTimes(X));
+  if (g.cols() == 1) addProduct(-alpha, W_, g.col(0), result.col(0));
   else result.noalias() -= W_ * (alpha * g);
 }
 

@@ -10,7 +10,7 @@ namespace Haptos {
 /// \brief M_cc - W W^T, on `MultiplierMap::contactMap`: M_Z between contact rows, where nothing is slender.
 ///
 /// Pi is a projection, so Pi^T S Pi = S - S Z K^+ Z^T S, and W W^T = Y_c K^+ Y_c^T with Y = B_D S Z.  W lies with its contact rows; W^T x is
-/// summed over the ranks.  On large surfaces most of Y is zero, and Y_c and K^+ are kept instead of W.
+/// summed over the ranks.  On large surfaces most of Y is zero, and W = Y C^T is kept by its factors.
 class DeflatedContactBlock final : public Operator {
  public:
   /// \param W [owned contact rows x any]
@@ -21,7 +21,7 @@ class DeflatedContactBlock final : public Operator {
   RCP<const Map> getDomainMap() const override { return block_.getDomainMap(); }
   RCP<const Map> getRangeMap() const override { return block_.getRangeMap(); }
   bool hasTransposeApply() const override { return true; }
-  double entriesRead() const;  ///< of this rank
+  double entriesRead() const;  ///< of this rank; of what all ranks have its part
   /// Collective: as `ContactBlock`, and one sum.
   void apply(const MultiVector& x, MultiVector& y, Teuchos::ETransp mode = Teuchos::NO_TRANS, double alpha = 1.0, double beta = 0.0) const override;
 
@@ -49,9 +49,9 @@ class DeflatedContactBlock final : public Operator {
   Eigen::MatrixXd transposedTimes(const Eigen::Ref<const Eigen::MatrixXd>& X) const;
 
   ContactBlock block_;
-  Eigen::MatrixXd W_;               // or
-  Eigen::SparseMatrix<double> Y_;   // W = Y C^T, and
-  Eigen::MatrixXd C_, K_;           // C^T C, both triangles
+  Eigen::MatrixXd W_;  // or W = Y C^T:
+  Eigen::SparseMatrix<double> Y_;
+  Eigen::MatrixXd C_;
 };
 
 }  // namespace Haptos

@@ -158,8 +158,8 @@ struct SubspaceNewtonOptions {
     /// Where that does not do, the dense matrix is factored, if it has at most so many rows a step: n^3 2/3 operations at 2e10 a second are as
     /// much as n / 40 products that read n^2 entries at 5e8, or more by what they read less.
     int rowsOfStep = 40;  ///< decisions/040
-    /// Products that read more than half of the dense matrix have it made once they are one for so many rows: a column costs a fourth of a product, as
-    /// many come at a time (decisions/049).
+    /// Products that read more than half of the dense matrix have it made once they are one for so many rows: a row of
+    /// it costs about a twelfth of a product by energies (decisions/049).
     int productsOfRow = 12;
     /// Beyond so many rows it is read from memory, at this price an entry, while what products read of M mostly lies in a processor's own: with 2646 rows 1.75 ms,
     /// where products that read half as much again took .9 (decisions/049).
