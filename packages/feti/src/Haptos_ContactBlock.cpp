@@ -191,14 +191,21 @@ Eigen::MatrixXd ContactBlock::energiesOfNearRows() const {
 // Contact rows of G^-1 X, of all ranks, X of near rows of all; some columns at a time, which stay in the cache.
 Eigen::MatrixXd ContactBlock::betweenContactRows(const Eigen::MatrixXd& X) const {
   constexpr Eigen::Index kAtATime = 32;
-  const auto& comm = *getDomainMap()->getComm();
-  const Eigen::Index mine = Eigen::Index(nearPairs_.size()), first = sumOfLower(comm, int(mine)), count = Eigen::Index(contact_.size());
-  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(sumOfAll(comm, int(count)), X.cols());
-  auto own = all.middleRows(sumOfLower(comm, int(count)), count);
+  const Eigen::Index mine = Eigen::Index(nearPairs_.size()), first = sumOfLower(*getDomainMap()->getComm(), int(mine));
+  Eigen::MatrixXd own(Eigen::Index(contact_.size()), X.cols());
   for (Eigen::Index j = 0; j < X.cols(); j += kAtATime) {
     const Eigen::Index width = std::min(kAtATime, X.cols() - j);
     own.middleCols(j, width) = pairs().solve(extended(X.block(first, j, mine, width), nearPairs_, pairs().rows().size()))(contact_, Eigen::all);
   }
+  return onAllRanks(own);
+}
+
+Eigen::MatrixXd ContactBlock::onAllRanks(const Eigen::MatrixXd& mine) const {
+  const auto& comm = *getDomainMap()->getComm();
+  if (comm.getSize() == 1) return mine;
+  const int rows = int(mine.rows());
+  Eigen::MatrixXd all = Eigen::MatrixXd::Zero(sumOfAll(comm, rows), mine.cols());
+  all.middleRows(sumOfLower(comm, rows), rows) = mine;
   return sumOfAll(comm, all);
 }
 

@@ -38,6 +38,8 @@ class ContactBlock final : public Operator {
   /// @{
   /// \brief M_cc [contact rows of all]^2, the same on all ranks: the energies of rows, and two solves with their Gram matrix.  Collective.
   Eigen::MatrixXd matrix() const;
+  /// \brief [contact rows of this rank x any] becomes that of all, the same on all ranks.  Collective.
+  Eigen::MatrixXd onAllRanks(const Eigen::MatrixXd& mine) const;
   using Columns = Eigen::SparseMatrix<double>;
   Columns spreads() const;  ///< V B^T [unknowns of this rank's active subdomains x contact rows of all].  Collective.
   Columns gram() const;     ///< [contact rows of all]^2, their part of `CouplingGram`, the same on all.  Collective.

@@ -98,15 +98,7 @@ DeflatedContactBlock::RowsOfAll DeflatedContactBlock::rowsOfAll(std::vector<int>
 }
 
 // W of all ranks' rows
-Eigen::MatrixXd DeflatedContactBlock::rootOfAll() const {
-  const auto& comm = *getRangeMap()->getComm();
-  const Eigen::MatrixXd root = isSparse() ? timesColumns(Y_, C_.transpose()) : Eigen::MatrixXd();
-  const Eigen::MatrixXd& mine = isSparse() ? root : W_;
-  const int rows = int(mine.rows());
-  Eigen::MatrixXd W = Eigen::MatrixXd::Zero(sumOfAll(comm, rows), mine.cols());
-  W.middleRows(sumOfLower(comm, rows), rows) = mine;
-  return sumOfAll(comm, W);
-}
+Eigen::MatrixXd DeflatedContactBlock::rootOfAll() const { return block_.onAllRanks(isSparse() ? timesColumns(Y_, C_.transpose()) : W_); }
 
 Eigen::MatrixXd DeflatedContactBlock::between(std::vector<int> rows) const {
   Eigen::MatrixXd M = block_.matrix();

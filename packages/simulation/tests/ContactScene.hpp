@@ -156,11 +156,11 @@ struct Filled {
     const auto x = flat(piece.coordinates);
     system.addSubdomain({piece.body, Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x), K});
   }
-  void addElements() {
+  void addElements(const std::function<Eigen::SparseMatrix<double>(const Piece&)>& stiffness = stiffnessOf) {
     forMyElements([&](int body, const Piece& piece) {
       const auto ids = idsOf(piece.nodes);
       const auto x = flat(piece.coordinates);
-      const Eigen::MatrixXd Ke(stiffnessOf(piece));
+      const Eigen::MatrixXd Ke(stiffness(piece));
       system.addNodes(Teuchos::arrayViewFromVector(ids), Teuchos::arrayViewFromVector(x));
       system.addElement(body, Teuchos::arrayViewFromVector(ids), Teuchos::ArrayView<const double>(Ke.data(), Ke.size()));
     });
@@ -174,10 +174,13 @@ struct Filled {
   }
   void addRest(double gap = 0, double smallestX = -1) {
     if (system.addInterface("interface", friction) != 0) throw std::logic_error("first interface");
+    hold();
+    addPairs(gap, smallestX);
+  }
+  void hold() {
     for (std::size_t node = 0; node < mesh.numNodes(); ++node)
       if (mesh.coordinates[node][0] < 1e-9 && (isUpperHeld || node < mesh.numNodes() / 2) && int(node) % comm_->getSize() == comm_->getRank())
         for (int d = 0; d < 3; ++d) system.prescribe(idOf(std::int64_t(node)), d, 0.0);
-    addPairs(gap, smallestX);
   }
   void addPairs(double gap = 0, double smallestX = -1) {
     pairs.clear();

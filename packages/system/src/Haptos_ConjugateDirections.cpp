@@ -3,22 +3,19 @@
 
 #include <Tpetra_Map.hpp>
 #include <Tpetra_Vector.hpp>
+#include <algorithm>
 #include <cmath>
 
+#include "Haptos_DualVectors.hpp"
 #include "Haptos_Reductions.hpp"
 #include "Haptos_TpetraCompat.hpp"
 
 namespace Haptos {
 namespace {
 
-Eigen::VectorXd valuesOf(const Vector& x) {
-  const auto data = x.getData(0);
-  return Eigen::Map<const Eigen::VectorXd>(data.getRawPtr(), Eigen::Index(data.size()));
-}
-
 // x := x + A y
 void addTo(Vector& x, const ColumnBlocks& A, const Eigen::VectorXd& y) {
-  Eigen::VectorXd values = valuesOf(x);
+  Eigen::VectorXd values = DualVectors::fromVector(x);
   A.addProduct(y, values);
   const auto data = x.getDataNonConst(0);
   std::copy(values.begin(), values.end(), data.begin());
@@ -30,18 +27,18 @@ ConjugateDirections::ConjugateDirections(const Map& map, long most)
     : most_(most), P_(Eigen::Index(localNumElements(map))), FP_(Eigen::Index(localNumElements(map))) {}
 
 void ConjugateDirections::append(const Vector& p, const Vector& Fp, double pFp) {
-  P_.append(valuesOf(p) / std::sqrt(pFp));
-  FP_.append(valuesOf(Fp) / std::sqrt(pFp));
+  P_.append(DualVectors::fromVector(p) / std::sqrt(pFp));
+  FP_.append(DualVectors::fromVector(Fp) / std::sqrt(pFp));
 }
 
 void ConjugateDirections::makeConjugate(Vector& z) const {
   if (size() == 0) return;
-  addTo(z, P_, -sumOfAll(*z.getMap()->getComm(), FP_.transposedTimes(valuesOf(z))));
+  addTo(z, P_, -sumOfAll(*z.getMap()->getComm(), FP_.transposedTimes(DualVectors::fromVector(z))));
 }
 
 void ConjugateDirections::step(Vector& lambda, Vector& r) const {
   if (size() == 0) return;
-  const Eigen::VectorXd t = sumOfAll(*r.getMap()->getComm(), P_.transposedTimes(valuesOf(r)));
+  const Eigen::VectorXd t = sumOfAll(*r.getMap()->getComm(), P_.transposedTimes(DualVectors::fromVector(r)));
   addTo(lambda, P_, t);
   addTo(r, FP_, -t);
 }

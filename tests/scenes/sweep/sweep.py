@@ -114,7 +114,7 @@ def tied(arguments, scene, folder, name):
 
 
 def allowed(measure, scene, row):
-    digits = row["rounding"] or 0.0 if measure == "field_equilibrium" else 0.0
+    digits = row["rounding"] if measure == "field_equilibrium" and 2 in row["status"] else 0.0
     return max(ALLOWED * scene.tolerance, ALLOWED_OF_DIGITS * digits)
 
 
