@@ -24,6 +24,7 @@ struct DeflatedMotions {
     /// If that leaves out stiffer ones there are none: what is left is as bad as S of a capped Poisson's ratio, which is cheap (decisions/050).
     double stiffestLeft = 8;
     long columns = kLargest;  ///< of Z; where there are more soft motions than that, the softest are taken
+    static Spectra none() { return {0}; }  ///< rigid motions, and soft ones of slender subdomains, alone
     /// \brief As many as Z can have, however stiff those are that it cannot: where nothing else leads to an answer.
     static Spectra atAnyPrice() { return {kLargestSpectrum, kLargest, std::numeric_limits<double>::infinity()}; }
   };

@@ -49,11 +49,12 @@ struct ContactOperators {
     std::function<std::vector<Eigen::MatrixXd>(const std::vector<std::vector<int>>& rows)> ofGroups{};
     double entriesRead = 0;  ///< of matrices, in a product by contactM, over all ranks; 0: not known
   };
-  enum class Price { Usual, Any };
-  /// Makes one, or none (M null): at the usual price where it is likely to pay for itself, at any where nothing else has led to an answer.  Empty:
-  /// there is none.  Collective.
+  enum class Price { Little, Usual, Any };
+  /// Makes one, or none (M null): for little one that is hardly better than M, but for G M = 0, at the usual price where it is likely to pay for itself, at
+  /// any where nothing else has led to an answer.  Empty: there is none.  Collective.
   std::function<Deflated(Price)> makeDeflatedM;
   bool needsDeflatedM = false;        ///< M is known to be poor: slender subdomains
+  bool isDeflatedMDear = false;       ///< the usual price is some hundred F: one for little is tried first where only the law asks for it
   bool mayNeedDeflatedM = false;      ///< it is likely to be: a slow way is not followed to its end
   RCP<const Vector> diagonalOfM;      ///< [force/length], > 0 on contact rows
   RCP<const CoarseRows> GT;           ///< G^T on the owned rows

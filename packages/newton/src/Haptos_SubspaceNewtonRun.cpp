@@ -142,8 +142,8 @@ SubspaceNewtonRun::LevelsEnd SubspaceNewtonRun::runLevels(const FrictionLevels& 
   return end;
 }
 
-void SubspaceNewtonRun::condense() {
-  if (!directions_.condense()) return;
+void SubspaceNewtonRun::condense(Reason reason) {
+  if (!(reason == Reason::Law ? directions_.condenseForLaw() : directions_.condense())) return;
   r_ = directions_.pairStiffness();
   iteration_.setPenalty(r_);
 }
@@ -159,7 +159,8 @@ void SubspaceNewtonRun::noteBegin() {
 NewtonStop SubspaceNewtonRun::solveFromStart() {
   noteBegin();
   const ContinuationPolicy policy(dual_.pairs, options_.continuation, vectors_.comm());
-  if (dual_.needsDeflatedM || policy.isElongated()) condense();
+  if (dual_.needsDeflatedM) condense(Reason::M);
+  else if (policy.isElongated()) condense(Reason::Law);
   NewtonStop stop = descend();
   while (stop == NewtonStop::Plateau) {
     stop = leavePlateau(finalLevel(options_.continuation.patience));
@@ -170,7 +171,7 @@ NewtonStop SubspaceNewtonRun::solveFromStart() {
 
 // By condensed directions, where they are too dear as before, until there is no other way.
 NewtonStop SubspaceNewtonRun::leavePlateau(const Level& level) {
-  condense();
+  condense(Reason::M);
   const NewtonStop stop = runLevel(dual_.pairs, level);
   return stop == NewtonStop::Plateau ? leavePlateau(level) : stop;
 }

@@ -61,7 +61,8 @@ class SubspaceNewtonRun {
   // pairsFirst: what these can do before a direction; a start of floating bodies leaves their motions as pairs
   NewtonStop runLevel(const std::vector<PairLaw>& law, const Level& level, bool pairsFirst = false);
   LevelsEnd runLevels(const FrictionLevels& levels);
-  void condense();
+  enum class Reason { M, Law };  // M is poor; ellipses are long
+  void condense(Reason reason);
   void noteBegin();
   NewtonStop leavePlateau(const Level& level);
   NewtonStop solveFromStart();

@@ -107,6 +107,35 @@ TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, DearModelIsTheLastResort) {
     }
 }
 
+// Long ellipses ask for condensed directions, not for a better M: where that is dear one for little comes first, and the other where it does not do.
+TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, LittleModelComesFirst) {
+  using Price = ContactOperators::Price;
+  for (const bool floating : {false, true})
+    for (const bool isPoor : {false, true}) {
+      Setup t(makeContact(40, 30, floating, 4, {0.8, 0.02}));
+      ContactOperators o = t.operators();
+      std::vector<Price> asked;
+      o.makeDeflatedM = [&](Price price) -> ContactOperators::Deflated {
+        asked.push_back(price);
+        if (price != Price::Little || !isPoor) return inverseOfF(t);
+        const Eigen::Index n = t.d.F.rows();
+        const DenseMatrix P = DenseMatrix::Identity(n, n) - t.d.GT * Testing::pseudoInverse(t.d.GT.transpose() * t.d.GT) * t.d.GT.transpose();
+        const DenseVector diagonal = DenseVector::LinSpaced(n, 0.0, std::log(1e3)).array().exp();
+        return {rcp(new DenseOperator(t.map, P * diagonal.asDiagonal() * P)), {}};
+      };
+      o.isDeflatedMDear = true;
+      Manager manager;
+      manager.setParameters(withTolerance(1e-9));
+      manager.setProblem(rcp(new ContactProblem(o, t.lambda)));
+      TEST_EQUALITY(manager.solve(), Belos::Converged);
+      const Kkt kkt = measure(t, manager);
+      out << (floating ? "floating" : "held") << (isPoor ? ", poor" : ", good") << ": error " << kkt.error << ", applications " << t.F->applications << "\n";
+      TEST_COMPARE(kkt.error, <=, 1e-6);
+      TEST_COMPARE(t.F->applications, <=, isPoor ? 40 : 8);
+      TEST_ASSERT(asked == (isPoor ? std::vector{Price::Little, Price::Usual} : std::vector{Price::Little}));
+    }
+}
+
 // A model of a body that one direction leaves free may slide it along there as far as it likes: that must not turn what friction holds.
 TEUCHOS_UNIT_TEST(SubspaceNewtonSolMgr, OneCoefficientMayBeZero) {
   for (const std::array<double, 2> friction : {std::array{0.0, 0.4}, {0.8, 0.0}}) {

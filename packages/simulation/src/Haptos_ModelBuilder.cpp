@@ -12,6 +12,7 @@
 #include "Haptos_ByteBuffer.hpp"
 #include "Haptos_Error.hpp"
 #include "Haptos_FrictionFields.hpp"
+#include "Haptos_HardElements.hpp"
 #include "Haptos_MeshFiles.hpp"
 #include "Haptos_ParameterValue.hpp"
 #include "Haptos_Partition.hpp"
@@ -83,10 +84,9 @@ FrictionSpec frictionSpec(const FrictionOptions& options) {
 
 // Plain elements lock near incompressibility; B-bar frees all but linear tetrahedra, wedges and pyramids (doc/decisions/027).
 void chooseFormulation(const std::vector<int>& materialOfBlock, const Mesh& mesh, ModelData& data) {
-  constexpr double kNearlyIncompressible = 0.45;
   for (std::size_t b = 0; b < mesh.blocks.size(); ++b) {
     const Topology topology = mesh.blocks[b].topology;
-    if (materialOfBlock[b] < 0 || data.materials[std::size_t(materialOfBlock[b])].poissonsRatio <= kNearlyIncompressible) continue;
+    if (materialOfBlock[b] < 0 || data.materials[std::size_t(materialOfBlock[b])].poissonsRatio <= kHardlyCompressible) continue;
     const std::string why = ", because Poisson's ratio of '" + data.materials[std::size_t(materialOfBlock[b])].name + "' is close to 0.5";
     if (topology != Topology::Hex8 && !elementShape(topology).hasMidNodes()) {
       data.remarks.push_back(std::string(topologyName(topology)) + " elements of block '" + blockLabel(mesh.blocks[b]) + "' are too stiff" +

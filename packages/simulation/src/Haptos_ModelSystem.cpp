@@ -91,6 +91,7 @@ SystemModel systemModelOf(const DistributedModel& model, std::int64_t numMeshNod
   if (capMaterials(model.data.materials, capped))
     system.softened = std::make_shared<ElasticStiffness>(model.subdomains, capped, model.data.formulation);
   system.aspects = model.aspects;
+  for (const auto& material : model.data.materials) system.isHardlyCompressible = system.isHardlyCompressible || material.poissonsRatio > kHardlyCompressible;
   system.isHard = hasHardElements(*model.comm, model.subdomains, model.data.materials);
   system.firstSubdomain = model.firstSubdomain;
   for (const auto& sub : model.subdomains) {

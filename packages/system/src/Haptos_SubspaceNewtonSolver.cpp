@@ -36,6 +36,7 @@ ContactOperators contactOperators(const FetiSystem& system, decltype(ContactOper
   o.contactRowsOfM = Teuchos::rcp(new ContactRows(system.preconditioner(), block));
   o.makeDeflatedM = makeDeflatedM;
   o.needsDeflatedM = system.needsDeflation();
+  o.isDeflatedMDear = system.isDeflationDear();
   o.mayNeedDeflatedM = system.model().isHard;
   o.diagonalOfM = system.preconditioner()->diagonal();
   o.GT = Teuchos::rcpFromRef(dual.G->rows());
@@ -98,10 +99,15 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   // Of large parts only where elements are hard: ordinary ones pay three to five times the seconds for half of the multiplications (decisions/042).
-  ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
+  DeflatedMotions::Spectra spectraFor(ContactOperators::Price price) const {
     using Spectra = DeflatedMotions::Spectra;
-    const Spectra usual{context.system.model().isHard ? DeflatedMotions::kLargestSpectrum : DeflatedMotions::kUsualSpectrum};
-    deflated = context.system.makeDeflated(price == ContactOperators::Price::Any ? Spectra::atAnyPrice() : usual);
+    if (price == ContactOperators::Price::Any) return Spectra::atAnyPrice();
+    if (price == ContactOperators::Price::Little) return Spectra::none();
+    return {context.system.model().isHard ? DeflatedMotions::kLargestSpectrum : DeflatedMotions::kUsualSpectrum};
+  }
+
+  ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
+    deflated = context.system.makeDeflated(spectraFor(price));
     if (deflated.is_null()) return {};
     const DeflatedPreconditioner::Block block = deflated->contactBlock();
     ContactOperators::Deflated made{deflated, block.M, trueStiffness(), block.between};

@@ -21,6 +21,7 @@ struct SystemModel {
   std::shared_ptr<const SubdomainStiffness> softened;
   std::vector<double> aspects;  ///< [local subdomains] see `aspectOfPart`
   bool isHard = false;  ///< elements for which the preconditioner is known to be poor; the same on all ranks
+  bool isHardlyCompressible = false;  ///< some are so nearly incompressible that `softened` is far from what they are; the same on all ranks
   int firstSubdomain = 0;
   std::vector<int> bodies, pieces;          ///< [local subdomains]; pieces of a body are joined by nodes or edges alone, and may turn there
   std::vector<std::string> bodyNames;       ///< the same on all ranks, as the names and laws below
