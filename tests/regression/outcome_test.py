@@ -126,14 +126,14 @@ class Solved(SceneTest):
 
     def test_long_ellipses_ask_for_no_spectral_modes(self):
         """Large subdomains, few pairs: they would cost more than all steps, and rigid motions do; near incompressibility nothing else does."""
-        for poisson in (0.3, 0.4999):
+        for poisson in (0.44, 0.4999):  # 3 modes, and 92
             values = {f"Materials__{name}__Poisson's_Ratio": poisson for name in ("steel", "aluminium")}
             for ranks in RANKS:
                 with self.subTest(poisson=poisson, ranks=ranks):
                     summary = two_beams(self, ranks, example="table31", Decomposition__Method="METIS", Decomposition__Subdomains=4,
                                         Contact__interface__Friction__Coefficients="0.3, 3e-4", **values)
                     rigid = summary["model"]["kernel_dimension"]
-                    check = self.assertEqual if poisson < 0.4 else self.assertGreater
+                    check = self.assertEqual if poisson < 0.45 else self.assertGreater
                     check(summary["solver"]["deflation"]["motions"], rigid)
                     self.assertLessEqual(summary["solver"]["hessian_multiplications"], 24)
 

@@ -17,7 +17,7 @@ class DirectionChoice {
   NewtonDirection& current() { return condensed_ ? static_cast<NewtonDirection&>(*condensed_) : balanced_; }
   const Eigen::VectorXd& pairStiffness() const { return condensed_ ? condensed_->pairStiffness() : balanced_.pairStiffness(); }
 
-  /// \brief Whether condensed directions were not asked for, or for little alone, and could be had: there is a better M.
+  /// \brief Whether condensed directions were not asked for, or at little price alone, and could be had: there is a better M.
   bool mayCondense() const { return offer_ == Offer::Usual; }
   /// \brief Whether they were too dear, or were not asked for: still to be had where there is no other way.
   bool mayCondenseAtAnyPrice() const { return offer_ != Offer::None; }
