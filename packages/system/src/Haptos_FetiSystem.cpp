@@ -144,7 +144,6 @@ void FetiSystem::makePreconditioner(SurfaceOperators surface) {
   if (!kind_) return;
   findSlender();
   findLargestBoundary();
-  findPriceOfSpectra();
   RCP<const LocalSystems> systems = systems_;
   if (model_.softened) systems = assembleAgain(model_.softened, surface, kind_ == PreconditionerKind::Dirichlet);
   preconditioner_ = Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface)));
@@ -234,13 +233,13 @@ void FetiSystem::findLargestBoundary() {
 // Operations of dense S and eigenproblems, 3 to 4 n^3 a subdomain, beside those of ten more directions: with n rows of contact a model of one takes some
 // eighty products, an entry of a matrix that is read counting as twenty (decisions/042).  Near incompressibility nothing leads past them.  Sums of whole
 // numbers: the same on any number of ranks.
-void FetiSystem::findPriceOfSpectra() {
+bool FetiSystem::isDeflationDear() const {
   constexpr double kOfSpectra = 3.3, kOfModels = 10 * 80 * 20;
+  if (anySlender_ || model_.isHardlyCompressible || hasSpectra(kCheapSpectrum)) return false;
   double cubes = 0;
   for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
   const double rows = 3 * double(model_.multipliers->numPairs());
-  const bool mayDoWithout = !anySlender_ && !model_.isHardlyCompressible && !hasSpectra(kCheapSpectrum);
-  isDeflationDear_ = mayDoWithout && kOfSpectra * sumOfAll(*model_.comm, cubes) > kOfModels * rows * rows;
+  return kOfSpectra * sumOfAll(*model_.comm, cubes) > kOfModels * rows * rows;
 }
 
 // Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is

@@ -62,8 +62,8 @@ class FetiSystem {
   const RCP<const DualPreconditioner>& preconditioner() const { return preconditioner_; }  ///< or null
   /// \brief Whether the preconditioner is known to be poor from the start: slender subdomains, or hard elements whose spectral modes cost little.
   bool needsDeflation() const { return anySlender_ || (model_.isHard && hasSpectra(kCheapSpectrum)); }
-  /// \brief Whether looking for spectral modes takes longer than some more steps with contact models do that lack them.
-  bool isDeflationDear() const { return isDeflationDear_; }
+  /// \brief Whether looking for spectral modes takes longer than some more steps with contact models do that lack them.  Collective.
+  bool isDeflationDear() const;
   int largestBoundary() const { return largestBoundary_; }  ///< unknowns of any subdomain's boundary that rows touch
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
@@ -84,7 +84,6 @@ class FetiSystem {
   UnheldMotions motionsUnheldBy(Holds&& holds) const;
   void findSlender();
   void findLargestBoundary();
-  void findPriceOfSpectra();
   bool hasSpectra(int largestSpectrum) const;
   bool mayContactBeDense() const;
   void makePreconditioner(SurfaceOperators surface);
@@ -109,7 +108,6 @@ class FetiSystem {
   bool anySlender_ = false;
   bool areFlat_ = false;  // most subdomains of all ranks
   int largestBoundary_ = 0;
-  bool isDeflationDear_ = false;
   double mayUse_ = 0;  // bytes of a rank, the same on all
 };
 

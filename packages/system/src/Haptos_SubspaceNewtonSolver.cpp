@@ -107,8 +107,9 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
-    deflated = context.system.makeDeflated(spectraFor(price));
-    if (deflated.is_null()) return {};
+    const auto better = context.system.makeDeflated(spectraFor(price));
+    if (better.is_null()) return {};  // the one before, if any, stays in use
+    deflated = better;
     const DeflatedPreconditioner::Block block = deflated->contactBlock();
     ContactOperators::Deflated made{deflated, block.M, trueStiffness(), block.between};
     if (block.M.is_null()) made.between = [M = deflated](const std::vector<int>& rows) { return M->between(rows); };
