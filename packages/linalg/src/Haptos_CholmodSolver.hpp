@@ -192,6 +192,7 @@ int CholmodSolver<Matrix, Vector>::symbolicFactorization_impl() {
   factor_ = analyse();
   if (factor_ == nullptr) fail("the symbolic factorisation");
   flops_ = common_.fl;
+  this->setNnzLU(std::size_t(common_.lnz));
   return 0;
 }
 

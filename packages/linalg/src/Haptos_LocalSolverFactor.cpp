@@ -94,6 +94,23 @@ struct LocalSolverFactor::Impl {
   std::unique_ptr<Columns> single;  // kept, as most solves have one column
   std::mutex busy;                  // `single` and the solver's workspaces serve one thread at a time
 
+  static std::unique_ptr<Impl> analysed(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision) {
+    TEUCHOS_ASSERT(A.rows() == A.cols() && A.rows() > 0);
+    A.makeCompressed();
+    auto impl = std::make_unique<Impl>();
+    const auto self = Teuchos::rcp(new Teuchos::SerialComm<int>());
+    impl->map = Teuchos::rcp(new Map(Tpetra::global_size_t(A.rows()), 0, self));
+    impl->A = copyMatrix(A, impl->map);
+    impl->rows = A.rows();
+    impl->starts.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
+    impl->cholmod = method == LocalSolverMethod::Cholmod || (method == LocalSolverMethod::Automatic && hasCholmod());
+    impl->solver = createSolver(impl->A, impl->cholmod);
+    if (precision == FactorPrecision::Single) requestSinglePrecision(*impl->solver);
+    impl->solver->symbolicFactorization();
+    impl->single = std::make_unique<Columns>(impl->map, 1);
+    return impl;
+  }
+
   void solve(Columns& columns, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
     eigenView(columns.b.getLocalViewHost(Tpetra::Access::OverwriteAll).data(), columns.b) = B;
     solver->solve(&columns.x, &columns.b);
@@ -102,20 +119,15 @@ struct LocalSolverFactor::Impl {
 };
 
 // Amesos2 wants Tpetra's matrices; A's columns are its rows, by symmetry, so arrays are copied as they are.
+LocalSolverFactor LocalSolverFactor::analysed(Eigen::SparseMatrix<double> A, LocalSolverMethod method) {
+  return LocalSolverFactor(Impl::analysed(std::move(A), method, FactorPrecision::Double));
+}
+
+LocalSolverFactor::LocalSolverFactor(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+
 LocalSolverFactor::LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision)
-    : impl_(std::make_unique<Impl>()) {
-  TEUCHOS_ASSERT(A.rows() == A.cols() && A.rows() > 0);
-  A.makeCompressed();
-  const auto self = Teuchos::rcp(new Teuchos::SerialComm<int>());
-  impl_->map = Teuchos::rcp(new Map(Tpetra::global_size_t(A.rows()), 0, self));
-  impl_->A = copyMatrix(A, impl_->map);
-  impl_->rows = A.rows();
-  impl_->starts.assign(A.outerIndexPtr(), A.outerIndexPtr() + A.rows() + 1);
-  impl_->cholmod = method == LocalSolverMethod::Cholmod || (method == LocalSolverMethod::Automatic && hasCholmod());
-  impl_->solver = createSolver(impl_->A, impl_->cholmod);
-  if (precision == FactorPrecision::Single) requestSinglePrecision(*impl_->solver);
-  impl_->solver->symbolicFactorization().numericFactorization();
-  impl_->single = std::make_unique<Impl::Columns>(impl_->map, 1);
+    : LocalSolverFactor(Impl::analysed(std::move(A), method, precision)) {
+  impl_->solver->numericFactorization();
 }
 
 // Values only: the pattern, and with it the analysis, is the first matrix's.

@@ -50,6 +50,8 @@ class LocalSolverFactor {
   /// \throws InputError if CHOLMOD is asked for and not built in.
   /// \throws UselessFactor if A is not positive definite; CHOLMOD names the column, of others std::runtime_error.
   LocalSolverFactor(Eigen::SparseMatrix<double> A, LocalSolverMethod method, FactorPrecision precision = FactorPrecision::Double);
+  /// \brief The analysis alone: `work` tells what a factor takes, and `renew` makes it.
+  static LocalSolverFactor analysed(Eigen::SparseMatrix<double> A, LocalSolverMethod method);
   ~LocalSolverFactor();
   LocalSolverFactor(LocalSolverFactor&&) noexcept;
 
@@ -76,6 +78,7 @@ class LocalSolverFactor {
 
  private:
   struct Impl;
+  explicit LocalSolverFactor(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

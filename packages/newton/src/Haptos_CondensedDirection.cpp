@@ -37,6 +37,9 @@ std::function<std::vector<Eigen::MatrixXd>(const std::vector<PairGroup>&)> matri
   };
 }
 
+// Where M between contact rows is no cheaper than M, subdomains are slender.
+bool isDense(const ContactOperators::Deflated& deflated) { return deflated.contactM.is_null() && !deflated.exact.isThere(); }
+
 SubspaceNewtonOptions::Condensed forSubdomains(SubspaceNewtonOptions::Condensed options, bool slender) {
   if (slender) options.reduction = options.pathFrom = options.reductionSlender;
   return options;
@@ -44,18 +47,17 @@ SubspaceNewtonOptions::Condensed forSubdomains(SubspaceNewtonOptions::Condensed 
 
 }  // namespace
 
-// Where M between contact rows is no cheaper than M, subdomains are slender: dense.
 CondensedDirection::CondensedDirection(const ContactOperators::Deflated& deflated, const ContactOperators& dual,
                                        const GluingBalance& balance, const Eigen::VectorXd& diagonal, const Eigen::VectorXd& without,
                                        const SubspaceNewtonOptions::Condensed& options)
     : balance_(balance),
       matrix_({contactRowsOf(deflated, dual), diagonal, denseOf(deflated, dual.pairs), balance.contactMotions(), deflated.smoothJumps,
-               deflated.entriesRead, deflated.groups, matricesOfGroups(deflated, dual.pairs)}, balance.vectors(),
-              deflated.contactM.is_null() ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
+               deflated.entriesRead, deflated.groups, matricesOfGroups(deflated, dual.pairs), deflated.exact}, balance.vectors(),
+              isDense(deflated) ? ContactMatrix::Kind::Dense : ContactMatrix::Kind::Products, options),
       contact_(deflated.M, matrix_, forSubdomains(options, deflated.contactM.is_null())),
       pairStiffness_(options.penalty * without),
       options_(options) {
-  if (!deflated.contactM.is_null()) return;
+  if (!isDense(deflated)) return;
   // A pinned pair feels nothing; its r is free, but must be a number.
   const Eigen::VectorXd felt = matrix_.normalStiffness();
   pairStiffness_ = (felt.array() > 0).select(felt, without);

@@ -53,6 +53,7 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
       options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
+  if (parts.exact.isThere()) exact_.emplace(std::move(parts.exact), diagonal_);
   const double n = double(numbering_.size());
   entriesRead_ = parts.entriesRead > 0 ? parts.entriesRead : n * n;
   productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * entriesRead_) : 0.0;
@@ -136,6 +137,10 @@ void ContactMatrix::keepDense(const Eigen::MatrixXd& matrix) const {
 }
 
 Eigen::VectorXd ContactMatrix::multiply(const Eigen::VectorXd& x) const {
+  if (exact_) {
+    const Eigen::VectorXd* known = exact_->productOfLast(x);
+    return scaling_ * (known ? *known : exact_->multiply(x - kernelPart(x)));
+  }
   if (dense_.size() == 0) return scaling_ * vectors_.applyOnContact(*M_, x);
   Eigen::VectorXd all = onAllRanks(x);
   all -= wholeKernel_ * (wholeKernel_.transpose() * all);  // bodies that went far would leave round-off of their way
@@ -194,6 +199,7 @@ ContactEquations ContactMatrix::generalEquations(const Blocks& A, const Blocks& 
 }
 
 Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const Eigen::MatrixXd& free, const Eigen::VectorXd& b, double tolerance) const {
+  if (exact_) return solveExactly(A, B, consistentPart(A, B, free, b), tolerance);
   const Eigen::VectorXd possible = isDirect_ ? b : consistentPart(A, B, free, b);
   while (!isDirect_) {
     auto solution = groups_ ? solveByGroups(A, B, possible, tolerance) : generalEquations(A, B, tolerance).solveByGmres(vectors_, possible);
@@ -204,6 +210,15 @@ Eigen::VectorXd ContactMatrix::solveAny(const Blocks& A, const Blocks& B, const 
   auto direct = solveByLast(equations, blocks, b);
   if (!direct) direct = solveDirectly(blocks, b);
   return direct ? *direct : equations.solveByGmres(vectors_, b).x;
+}
+
+// A scaling M + B is A M + B of another A.
+Eigen::VectorXd ContactMatrix::solveExactly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const {
+  Blocks scaled = A;
+  for (Eigen::Matrix3d& block : scaled) block *= scaling_;
+  ContactEquations equations = generalEquations(A, B, tolerance);
+  exact_->prepare(equations, scaled, B);
+  return equations.solveByGmres(vectors_, b).x;
 }
 
 // Coarse jumps that were made for another law serve this one as well, by more steps: they are made anew once these have cost as much as that.
@@ -261,8 +276,22 @@ ContactEquations ContactMatrix::symmetricEquations(const Blocks& K) const {
 
 Eigen::VectorXd ContactMatrix::Symmetric::solve(const Eigen::VectorXd& b) { return M_.withoutFree(M_.freeMotions(K_), solveAny(b)); }
 
+// (M + K / scaling) d = b / scaling.  Motions that nothing resists have no factor: conjugate gradients with one that lets them resist a little.
+Eigen::VectorXd ContactMatrix::Symmetric::solveExactly(const Eigen::VectorXd& b) {
+  Blocks K = K_;
+  for (Eigen::Matrix3d& block : K) block /= M_.scaling_;
+  if (!exact_) exact_ = M_.exact_->solverWith(K);
+  const Eigen::VectorXd d = exact_(b / M_.scaling_);
+  if (M_.vectors_.sum(double(!d.allFinite())) == 0) return d;
+  ContactEquations equations = M_.symmetricEquations(K_);
+  equations.preconditioner = M_.exact_->solverNear(K);
+  exact_ = {};
+  return equations.solveByCg(M_.vectors_, b).x;
+}
+
 // Where Cholesky's method is no good for the matrix LU may be.
 Eigen::VectorXd ContactMatrix::Symmetric::solveAny(const Eigen::VectorXd& b) {
+  if (M_.exact_) return solveExactly(b);
   std::optional<ContactEquations::Solution> byCg;
   while (!M_.isDirect_) {
     if (!equations_ || helped_ != M_.helpers()) equations_ = M_.symmetricEquations(K_), helped_ = M_.helpers();

@@ -10,6 +10,7 @@
 #include "Haptos_ContactFactor.hpp"
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_DualVectors.hpp"
+#include "Haptos_ExactContact.hpp"
 #include "Haptos_SchwarzPreconditioner.hpp"
 #include "Haptos_SubspaceNewtonOptions.hpp"
 
@@ -24,7 +25,7 @@ class ContactMatrix {
 
   /// Dense: 3 x pairs applications of M now, the matrix on all ranks, direct solves: where M is slow, and so badly scaled that Krylov
   /// methods fail (slender subdomains).  Products: Krylov methods, preconditioned by pairs, then by groups of them, then with coarse jumps beside
-  /// these; each comes where the one before fails or takes longer, and the dense matrix where all fail, or rows are few.
+  /// these; each comes where the one before fails or takes longer, and the dense matrix where all fail, or rows are few.  Neither where there is an exact map.
   enum class Kind { Dense, Products };
 
   struct Parts {
@@ -37,6 +38,7 @@ class ContactMatrix {
     std::function<std::vector<PairGroup>()> groups{};  ///< makes groups of pairs that overlap.  Collective.  Empty: there are none.
     /// About M of each group by itself, of all ranks' values, rank after rank: where the matrix is not made.  Collective.
     std::function<std::vector<Eigen::MatrixXd>(const std::vector<PairGroup>&)> ofGroups{};
+    ExactContactMap exact{};  ///< where it is there: all products and solves by it
   };
   /// Collective.
   ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind, const SubspaceNewtonOptions::Condensed& options);
@@ -60,11 +62,14 @@ class ContactMatrix {
     Eigen::VectorXd solve(const Eigen::VectorXd& b);  ///< Collective
 
    private:
+    using Map = ExactContact::Map;
     Eigen::VectorXd solveAny(const Eigen::VectorXd& b);
+    Eigen::VectorXd solveExactly(const Eigen::VectorXd& b);
 
     const ContactMatrix& M_;
     Blocks K_;
     std::unique_ptr<const ContactFactor> factor_;   // where M is dense
+    Map exact_;                                     // where it is exact
     std::optional<ContactEquations> equations_;     // where it is not
     std::pair<bool, bool> helped_{};                // by symmetric groups, by coarse jumps
   };
@@ -112,6 +117,7 @@ class ContactMatrix {
   ContactEquations symmetricEquations(const Blocks& K) const;
   ContactEquations generalEquations(const Blocks& A, const Blocks& B, double tolerance) const;
   double stepsOfRenewal() const;
+  Eigen::VectorXd solveExactly(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
   ContactEquations::Solution solveByGroups(const Blocks& A, const Blocks& B, const Eigen::VectorXd& b, double tolerance) const;
 
   RCP<const Operator> M_;  // times scaling_
@@ -123,6 +129,7 @@ class ContactMatrix {
   ContactNumbering numbering_;
   Eigen::VectorXd diagonal_;
   Eigen::MatrixXd kernel_;
+  std::optional<ExactContact> exact_;  // times scaling_
   Kind kind_;
   SubspaceNewtonOptions::Condensed options_;
   double entriesRead_ = 0;             // in a product of M

@@ -19,6 +19,16 @@ struct PairGroup {
   std::vector<char> isOwn;  ///< [pairs] whether the pair is the group's own, as it is of one
 };
 
+/// \brief M between contact values of owned pairs [3 pairs] (N, T1, T2; 0: no such row), where M + D can be factored.
+struct ExactContactMap {
+  using Map = std::function<Eigen::VectorXd(const Eigen::VectorXd&)>;
+  Map multiply;  ///< M x.  Collective
+  /// y -> d with (M + D) d = y, D [pairs] symmetric and positive semidefinite; of the last D alone; NaN where there is none.  Collective, as is what it returns.
+  std::function<Map(const std::vector<Eigen::Matrix3d>& D)> solverWith;
+  std::function<double(double)> sum;  ///< over the ranks
+  bool isThere() const { return bool(solverWith); }
+};
+
 /// \brief What the subspace Newton method sees: operators, a coarse space and a law per pair; no mesh.
 ///
 /// Find lambda [force] and a such that, with s = h - F lambda + G^T a [length],
@@ -47,6 +57,7 @@ struct ContactOperators {
     std::function<std::vector<PairGroup>()> groups{};
     /// About contactM of groups of owned rows, each by itself: of all ranks' rows, rank after rank, the same on all.  Collective.
     std::function<std::vector<Eigen::MatrixXd>(const std::vector<std::vector<int>>& rows)> ofGroups{};
+    ExactContactMap exact{};  ///< where M is F^-1 itself
     double entriesRead = 0;  ///< of matrices, in a product by contactM, over all ranks; 0: not known
   };
   enum class Price { Little, Usual, Any };

@@ -60,6 +60,43 @@ TEUCHOS_UNIT_TEST(ContactMatrix, SolvesWithWhatPairsAdd) {
   }
 }
 
+// Where M + D is solved with for any D, M maybe scaled.
+TEUCHOS_UNIT_TEST(ContactMatrix, SolvesByAnExactMap) {
+  const Scene t(false);
+  const DenseVector b = numbers(3 * kGroups, 0.7);
+  ContactMatrix::Blocks A, K;
+  for (const PairLaw& pair : t.dual.pairs) {
+    const int i = int(t.setup.map->getGlobalElement(pair.normal)) / 3;
+    A.push_back(blockA(i));
+    K.push_back(blockK(i));
+  }
+  const auto difference = [&t](const Eigen::VectorXd& mine, const DenseVector& wanted) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+    t.vectors.setContact(x, mine);
+    DenseVector all = DenseVector::Zero(t.GT.rows());
+    all.head(wanted.size()) = wanted;
+    return t.difference(x, all);
+  };
+  for (const double scale : {1.0, 0.5}) {
+    const DenseMatrix M = scale * t.contactM();
+    DenseMatrix AMB = M, MK = M;
+    for (int i = 0; i < kGroups; ++i) {
+      AMB.middleRows<3>(3 * i) = (blockA(i) * M.middleRows<3>(3 * i)).eval();
+      AMB.block<3, 3>(3 * i, 3 * i) += blockK(i);
+      MK.block<3, 3>(3 * i, 3 * i) += blockK(i);
+    }
+    ContactMatrix matrix = contactMatrix(t, ContactMatrix::Kind::Products, {}, exactMap(t));
+    matrix.scale(scale);
+    const Eigen::VectorXd mine = t.contactPart(b);
+    const DenseVector general = Testing::luSolve(AMB, b), symmetric = Testing::ldltSolve(MK, b);
+    TEST_COMPARE(difference(matrix.solve(A, K, mine, 1e-13), general), <, 1e-10);
+    const Eigen::VectorXd solved = ContactMatrix::Symmetric(matrix, K).solve(mine);
+    TEST_COMPARE(difference(solved, symmetric), <, 1e-10);
+    TEST_COMPARE(difference(matrix.multiply(solved), M * symmetric), <, 1e-10);          // known from the solve
+    TEST_COMPARE(difference(matrix.multiply(2 * solved), 2 * M * symmetric), <, 1e-10);  // a product
+  }
+}
+
 // A factor of before is the preconditioner of a system that hardly differs, whose solution then has the tolerance's digits, and no more; one with more pairs that
 // changed is factored anew.
 TEUCHOS_UNIT_TEST(ContactMatrix, AFactorServesWhereFewPairsChanged) {

@@ -41,9 +41,34 @@ struct Scene : Parts {
 };
 
 // M between contact rows as products and as a matrix; what Krylov methods leave is asked to be small here.
-inline ContactMatrix contactMatrix(const Scene& t, ContactMatrix::Kind kind, SubspaceNewtonOptions::Condensed options = {}) {
+inline ContactMatrix contactMatrix(const Scene& t, ContactMatrix::Kind kind, SubspaceNewtonOptions::Condensed options = {}, ExactContactMap exact = {}) {
   options.linearTolerance = options.pathLinearTolerance = 1e-13;
-  return {{t.dual.contactM, t.vectors.contact(t.local(t.setup.d.M.diagonal()))}, t.vectors, kind, options};
+  ContactMatrix::Parts parts{t.dual.contactM, t.vectors.contact(t.local(t.setup.d.M.diagonal()))};
+  parts.exact = std::move(exact);
+  return {std::move(parts), t.vectors, kind, options};
+}
+
+/// M between contact rows as one that can be factored with anything: by dense formulas on every rank.
+inline ExactContactMap exactMap(const Scene& t) {
+  const auto onAll = [&t](const Eigen::VectorXd& contact) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(t.vectors.numRows());
+    t.vectors.setContact(x, contact);
+    return DenseVector(t.global(x).head(3 * kGroups));
+  };
+  ExactContactMap map;
+  map.multiply = [&t, onAll](const Eigen::VectorXd& x) { return t.contactPart(t.contactM() * onAll(x)); };
+  map.solverWith = [&t, onAll](const std::vector<Eigen::Matrix3d>& D) -> ExactContactMap::Map {
+    DenseMatrix MD = t.contactM();
+    for (int column = 0; column < 3; ++column) {
+      Eigen::VectorXd mine(3 * Eigen::Index(D.size()));
+      for (std::size_t i = 0; i < D.size(); ++i) mine.segment<3>(3 * Eigen::Index(i)) = D[i].col(column);
+      const DenseVector all = onAll(mine);
+      for (int row = 0; row < 3 * kGroups; ++row) MD(row, row - row % 3 + column) += all[row];
+    }
+    return [&t, onAll, MD](const Eigen::VectorXd& y) { return t.contactPart(Testing::ldltSolve(MD, onAll(y))); };
+  };
+  map.sum = [&t](double x) { return t.vectors.sum(x); };
+  return map;
 }
 
 inline constexpr auto kKinds = {ContactMatrix::Kind::Dense, ContactMatrix::Kind::Products};

@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "Haptos_AssembledPreconditioner.hpp"
 #include "Haptos_BodyMotions.hpp"
 #include "Haptos_DeflatedPreconditioner.hpp"
 #include "Haptos_DualPreconditioner.hpp"
@@ -68,6 +69,8 @@ class FetiSystem {
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
   RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedMotions::Spectra& spectra) const;
+  /// \brief F^-1 by a factor of whole bodies, where subdomains are slender and it takes less than `makeDeflated` and what comes after; else null.  Collective.
+  RCP<const AssembledPreconditioner> makeAssembled() const;
   /// \brief The preconditioner with rigid motions and soft polynomials of subdomains deflated, several times cheaper; null where there are too many.
   /// Collective.
   RCP<const DeflatedPreconditioner> makeDeflatedByPolynomials() const;

@@ -78,7 +78,7 @@ PcpgSolver::PcpgSolver(SolverContext context, int maximumDirections)
     if (system.mayDeflateByPolynomials()) cures_.push_back({Cure::kPolynomials});
   }
   begin(context_.start);
-  if (!context_.system.needsDeflation() || !deflate()) use(context_.system.preconditioner());
+  if (!system.needsDeflation() || !(useAssembled() || deflate())) use(system.preconditioner());
 }
 
 PcpgSolver::~PcpgSolver() = default;
@@ -112,6 +112,18 @@ bool PcpgSolver::deflate() {
   deflated_ = deflated;
   use(deflated_);
   return true;
+}
+
+bool PcpgSolver::useAssembled() {
+  assembled_ = context_.system.makeAssembled();
+  if (assembled_.is_null()) return false;
+  use(assembled_);
+  return true;
+}
+
+DeflationReport PcpgSolver::deflation() const {
+  if (!deflated_.is_null()) return {deflated_->numCoarse(), deflated_->applications()};
+  return assembled_.is_null() ? DeflationReport{} : DeflationReport{assembled_->numContinuous(), assembled_->applications()};
 }
 
 bool PcpgSolver::deflateByAny() {

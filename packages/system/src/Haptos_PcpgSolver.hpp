@@ -7,6 +7,7 @@
 
 namespace Haptos {
 
+class AssembledPreconditioner;
 class BalancedPreconditioner;
 class ConjugateDirections;
 
@@ -27,9 +28,7 @@ class PcpgSolver final : public ContactSolver {
   Outcome outcome() const override { return outcome_; }
   int outerIterations() const override { return iterations_; }
   const std::vector<HistoryEntry>& history() const override { return history_; }
-  DeflationReport deflation() const override {
-    return deflated_.is_null() ? DeflationReport{} : DeflationReport{deflated_->numCoarse(), deflated_->applications()};
-  }
+  DeflationReport deflation() const override;
 
  private:
   /// What M is deflated by where it takes many iterations: polynomials, or spectral motions of subdomains with boundaries up to so many unknowns.
@@ -41,6 +40,7 @@ class PcpgSolver final : public ContactSolver {
   void begin(const RCP<const Vector>& start);
   void balance();
   void use(RCP<const Operator> M);
+  bool useAssembled();
   bool deflate();
   bool deflateByAny();
   bool isTooSlow(long k, double residual, double tolerance) const;
@@ -54,6 +54,7 @@ class PcpgSolver final : public ContactSolver {
   std::unique_ptr<const BalancedPreconditioner> preconditioner_;
   std::unique_ptr<ConjugateDirections> directions_;  ///< once iterations are many
   std::vector<Cure> cures_;  ///< that were not tried yet, the next one last
+  RCP<const AssembledPreconditioner> assembled_;  ///< where subdomains are slender, and that is cheaper
   RCP<const DeflatedPreconditioner> deflated_;  ///< where subdomains are slender, or iterations too many
   DualSolution solution_;
   Outcome outcome_ = Outcome::NotConverged;

@@ -63,6 +63,8 @@ struct SubspaceNewtonSolver::Impl {
   SolverContext context;
   std::optional<KktEstimator> estimator;
   RCP<MultiVector> lambda;
+  RCP<const AssembledPreconditioner> assembled;
+  bool isAssemblyTried = false;
   RCP<const DeflatedPreconditioner> deflated;
   RCP<ContactProblem> problem;
   SubspaceNewtonSolMgr manager;
@@ -106,7 +108,24 @@ struct SubspaceNewtonSolver::Impl {
     return {context.system.model().isHard ? DeflatedMotions::kLargestSpectrum : DeflatedMotions::kUsualSpectrum};
   }
 
+  // Once: where it led to no answer soft motions may.
+  ContactOperators::Deflated makeAssembled() {
+    assembled = context.system.makeAssembled();
+    if (assembled.is_null()) return {};
+    ContactOperators::Deflated made{assembled, {}};
+    if (assembled->isDenseCheaper()) {
+      made.between = [M = assembled](const std::vector<int>&) { return M->contactMatrix(); };
+      return made;
+    }
+    made.exact.multiply = [M = assembled](const Eigen::VectorXd& x) { return M->onContact(x); };
+    made.exact.solverWith = [M = assembled](const std::vector<Eigen::Matrix3d>& D) { return M->solverWith(D); };
+    made.exact.sum = [comm = context.system.model().comm](double x) { return sumOfAll(*comm, x); };
+    return made;
+  }
+
   ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
+    if (!std::exchange(isAssemblyTried, true))
+      if (const auto made = makeAssembled(); !made.M.is_null()) return made;
     const auto better = context.system.makeDeflated(spectraFor(price));
     if (better.is_null()) return {};  // the one before, if any, stays in use
     deflated = better;
@@ -178,8 +197,9 @@ const std::vector<HistoryEntry>& SubspaceNewtonSolver::history() const { return 
 bool SubspaceNewtonSolver::gaveUp() const { return impl_->manager.isLOADetected(); }
 
 DeflationReport SubspaceNewtonSolver::deflation() const {
-  const auto& M = impl_->deflated;
-  return M.is_null() ? DeflationReport{} : DeflationReport{M->numCoarse(), M->applications()};
+  if (const auto& M = impl_->deflated; !M.is_null()) return {M->numCoarse(), M->applications()};
+  const auto& M = impl_->assembled;
+  return M.is_null() ? DeflationReport{} : DeflationReport{M->numContinuous(), M->applications()};
 }
 
 SubspaceReport SubspaceNewtonSolver::subspace() const {
