@@ -145,7 +145,8 @@ Eigen::VectorXd AssembledStiffness::forcesOf(const Eigen::VectorXd& given) const
   return (state.y - ofD(jumps(state.u))).head(contactRows_);
 }
 
-// With G = C (K + C^T D C)^-1 C^T forces of jumps are (G^-1 - D) jumps, of tied pairs too, which have none.
+// With G = C (K + C^T D C)^-1 C^T forces of jumps are (G^-1 - D) jumps, of tied pairs too, which have none.  Where round-off leaves G without an inverse
+// each jump is solved for by itself.
 Eigen::MatrixXd AssembledStiffness::contactMatrix() const {
   std::vector<Eigen::Index> felt;
   std::vector<Eigen::Triplet<double>> entries;
@@ -163,13 +164,19 @@ Eigen::MatrixXd AssembledStiffness::contactMatrix() const {
   Eigen::MatrixXd G = Eigen::MatrixXd::Zero(CT.cols(), CT.cols());
   closing_.subtractGram(CT, G);
   Eigen::MatrixXd M = inverseByCholesky(-G);
-  if (M.size() == 0 && !felt.empty()) throw UselessFactor("The jumps of contact pairs depend on each other.");
+  if (M.size() == 0) return contactMatrixByColumns();
   M.diagonal() -= D(felt);
   const Eigen::Index ofContact = std::lower_bound(felt.begin(), felt.end(), contactRows_) - felt.begin();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(contactRows_, contactRows_);
   felt.resize(std::size_t(ofContact));
   result(felt, felt) = M.topLeftCorner(ofContact, ofContact);
   return result;
+}
+
+Eigen::MatrixXd AssembledStiffness::contactMatrixByColumns() const {
+  Eigen::MatrixXd M(contactRows_, contactRows_);
+  for (Eigen::Index j = 0; j < contactRows_; ++j) M.col(j) = forcesOf(Eigen::VectorXd::Unit(contactRows_, j));
+  return M;
 }
 
 void AssembledStiffness::setD(const std::vector<Eigen::Matrix3d>& D) {

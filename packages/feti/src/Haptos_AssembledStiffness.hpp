@@ -55,6 +55,7 @@ class AssembledStiffness {
   struct State {
     Eigen::VectorXd u, y;  // displacements; forces of all pairs without what D has of them
   };
+  Eigen::MatrixXd contactMatrixByColumns() const;
   static std::vector<Pair> pairsOf(const Parts& parts);
   static Eigen::SparseMatrix<double> patternOf(Parts& parts, const std::vector<Pair>& pairs);
   void findPlaces();
