@@ -16,12 +16,14 @@ extern "C" void dpstrf_(const char* uplo, const int* n, double* A, const int* ld
 
 namespace Haptos {
 
+// OpenBLAS' kernels of 2004 (decisions/044) read y up to 32 bytes beyond its end, where there may be no memory.
 Eigen::VectorXd symmetricTimes(const Eigen::MatrixXd& A, const Eigen::VectorXd& x) {
+  constexpr int kReadAhead = 4;
   const int n = int(A.rows()), stride = 1;
   const double one = 1, zero = 0;
-  Eigen::VectorXd y(n);
+  Eigen::VectorXd y(n + kReadAhead);
   if (n > 0) dsymv_("L", &n, &one, A.data(), &n, x.data(), &stride, &zero, y.data(), &stride);
-  return y;
+  return y.head(n);
 }
 
 namespace {
