@@ -332,7 +332,7 @@ class NotConverged(SceneTest):
             self.assertLessEqual(self.summary()["accuracy"]["kkt"], 1e-10)
 
     def test_friction_is_named(self):
-        scene = stack(Solver={"Method": "Subspace Newton", "Maximum Hessian Multiplications": 2})
+        scene = stack(Solver={"Method": "Subspace Newton", "Maximum Hessian Multiplications": 3})
         scene["Contact"]["joint"]["Friction"]["Coefficients"] = [0.3, 0.0003]
         self.assertEqual(self.run_scene(scene).status, 2)
         reason = self.summary()["solver"]["reason"]

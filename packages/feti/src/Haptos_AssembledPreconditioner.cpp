@@ -27,11 +27,10 @@ double bytesOfStiffness(const LocalSystems& systems) {
 
 constexpr double kDenseFaster = 4;  // a dense factor, and products with its matrix, in the same time
 
-// The bodies are factored once with pairs closed, at half the rate of dense ones and with what comes before it; contact takes some twenty dense models, or
-// as many factors.
+// The bodies are factored once with pairs closed, and some thirty times by contact models, where these are not dense.
 bool isWithin(const AssembledPreconditioner::Limits& limits, const FactorWork& work) {
-  constexpr double kOnce = 4, kModels = 20, kFactors = 2;
-  const double flops = kOnce * work.flops + kModels * std::min(kDenseFaster * work.flops, limits.denseModel);
+  constexpr double kModels = 30, kFactors = 2;
+  const double flops = kFactors * work.flops + kModels * std::min(work.flops, limits.denseModel / kDenseFaster);
   return work.flops > 0 && flops <= limits.flops && kFactors * work.entries * double(sizeof(double)) <= limits.bytes;
 }
 

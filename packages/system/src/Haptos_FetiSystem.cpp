@@ -236,8 +236,10 @@ void FetiSystem::findLargestBoundary() {
 bool FetiSystem::isDeflationDear() const {
   constexpr double kOfSpectra = 3.3, kOfModels = 10 * 80 * 20;
   if (anySlender_ || model_.isHardlyCompressible || hasSpectra(kCheapSpectrum)) return false;
+  double cubes = 0;
+  for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
   const double rows = 3 * double(model_.multipliers->numPairs());
-  return kOfSpectra * sumOfCubes() > kOfModels * rows * rows;
+  return kOfSpectra * sumOfAll(*model_.comm, cubes) > kOfModels * rows * rows;
 }
 
 // Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is
@@ -266,32 +268,21 @@ RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions
   return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), areSlender ? slender_ : none, spectra);
 }
 
-// In operations of dense factors, those of models and products as long as they take: dense S and eigenproblems of boundaries, then fifty factors of the rows
-// of contact where subdomains are slender, a thousand products, of two entries a nanosecond, elsewhere (decisions/059).
-double FetiSystem::flopsOfDeflation(const DeflatedMotions::Spectra& spectra) const {
-  constexpr double kOfSoftMotions = 10, kOfSpectra = 4, kModels = 50, kProducts = 5600;
-  const double rows = 3 * double(model_.multipliers->numPairs()), cubes = sumOfCubes();
-  if (anySlender_) return kOfSoftMotions * cubes + kModels * flopsOfDenseModel();
-  return (hasSpectra(spectra.largestBoundary) ? kOfSpectra * cubes : 0.0) + kProducts * rows * rows;
-}
-
-// Sums of whole numbers: the same on any number of ranks.
-double FetiSystem::sumOfCubes() const {
+// Beside 10 n^3 operations for soft motions of a subdomain and, where there is contact, some fifty factors of 3 x pairs rows (decisions/059).  Sums of
+// whole numbers: the same on any number of ranks.
+RCP<const AssembledPreconditioner> FetiSystem::makeAssembled() const {
+  constexpr double kOfMotions = 10, kOfFactor = 0.5, kModels = 50;
+  if (!anySlender_ || localMethod_ == LocalSolverMethod::Klu2) return {};
   double cubes = 0;
   for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
-  return sumOfAll(*model_.comm, cubes);
-}
-
-double FetiSystem::flopsOfDenseModel() const { return 0.5 * std::pow(3 * double(model_.multipliers->numPairs()), 3); }
-
-RCP<const AssembledPreconditioner> FetiSystem::makeAssembled(const DeflatedMotions::Spectra& spectra) const {
-  if (kind_ != PreconditionerKind::Dirichlet || localMethod_ == LocalSolverMethod::Klu2) return {};
+  const double denseModel = kOfFactor * std::pow(3 * double(model_.multipliers->numPairs()), 3);
+  const double most = kOfMotions * sumOfAll(*model_.comm, cubes) + kModels * denseModel;
   const auto systems = Teuchos::rcp(new LocalSystems(model_.stiffness));
   runOnAllRanks(*model_.comm, [&] {
     systems->assemble();
     systems->findClasses();
   });
-  return AssembledPreconditioner::make(preconditioner_, systems, {flopsOfDeflation(spectra), flopsOfDenseModel(), mayUse_});
+  return AssembledPreconditioner::make(preconditioner_, systems, {most, denseModel, mayUse_});
 }
 
 // Of the stiffness that M has.

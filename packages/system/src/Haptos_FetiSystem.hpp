@@ -69,8 +69,8 @@ class FetiSystem {
   /// \brief The preconditioner with rigid motions deflated, soft ones of slender subdomains and spectral ones of others; null where it is not
   /// Dirichlet's, or there would be too many.  Collective.
   RCP<const DeflatedPreconditioner> makeDeflated(const DeflatedMotions::Spectra& spectra) const;
-  /// \brief F^-1 by a factor of whole bodies where that takes less than `makeDeflated` with contact models after it; else null.  Collective.
-  RCP<const AssembledPreconditioner> makeAssembled(const DeflatedMotions::Spectra& spectra) const;
+  /// \brief F^-1 by a factor of whole bodies, where subdomains are slender and it takes less than `makeDeflated` and what comes after; else null.  Collective.
+  RCP<const AssembledPreconditioner> makeAssembled() const;
   /// \brief The preconditioner with rigid motions and soft polynomials of subdomains deflated, several times cheaper; null where there are too many.
   /// Collective.
   RCP<const DeflatedPreconditioner> makeDeflatedByPolynomials() const;
@@ -89,9 +89,6 @@ class FetiSystem {
   void findLargestBoundary();
   bool hasSpectra(int largestSpectrum) const;
   bool mayContactBeDense() const;
-  double sumOfCubes() const;
-  double flopsOfDenseModel() const;
-  double flopsOfDeflation(const DeflatedMotions::Spectra& spectra) const;
   void makePreconditioner(SurfaceOperators surface);
   RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense,
                                         const std::function<void(const LocalSystems&, int congruenceClass)>& use = {}) const;

@@ -115,7 +115,7 @@ bool PcpgSolver::deflate() {
 }
 
 bool PcpgSolver::useAssembled() {
-  assembled_ = context_.system.makeAssembled({});
+  assembled_ = context_.system.makeAssembled();
   if (assembled_.is_null()) return false;
   use(assembled_);
   return true;

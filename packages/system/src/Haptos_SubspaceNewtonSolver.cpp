@@ -64,6 +64,7 @@ struct SubspaceNewtonSolver::Impl {
   std::optional<KktEstimator> estimator;
   RCP<MultiVector> lambda;
   RCP<const AssembledPreconditioner> assembled;
+  bool isAssemblyTried = false;
   RCP<const DeflatedPreconditioner> deflated;
   RCP<ContactProblem> problem;
   SubspaceNewtonSolMgr manager;
@@ -107,8 +108,9 @@ struct SubspaceNewtonSolver::Impl {
     return {context.system.model().isHard ? DeflatedMotions::kLargestSpectrum : DeflatedMotions::kUsualSpectrum};
   }
 
-  ContactOperators::Deflated makeAssembled(ContactOperators::Price price) {
-    assembled = context.system.makeAssembled(spectraFor(price));
+  // Once: where it led to no answer soft motions may.
+  ContactOperators::Deflated makeAssembled() {
+    assembled = context.system.makeAssembled();
     if (assembled.is_null()) return {};
     ContactOperators::Deflated made{assembled, {}};
     if (assembled->isDenseCheaper()) {
@@ -122,8 +124,8 @@ struct SubspaceNewtonSolver::Impl {
   }
 
   ContactOperators::Deflated makeDeflated(ContactOperators::Price price) {
-    if (assembled.is_null())  // where it led to no answer motions may
-      if (const auto made = makeAssembled(price); !made.M.is_null()) return made;
+    if (!std::exchange(isAssemblyTried, true))
+      if (const auto made = makeAssembled(); !made.M.is_null()) return made;
     const auto better = context.system.makeDeflated(spectraFor(price));
     if (better.is_null()) return {};  // the one before, if any, stays in use
     deflated = better;
