@@ -59,16 +59,17 @@ void AssembledStiffness::findPlaces() {
 void AssembledStiffness::findClosingD() {
   constexpr double kStiff = 300;
   const Eigen::VectorXd diagonal = A_.diagonal();
-  for (const Pair& pair : pairs_) {
-    const Eigen::Vector3d soft = pair.C.cwiseAbs2() * diagonal(pair.unknowns).cwiseInverse();
-    closingD_.push_back((soft.array() > 0).select(kStiff * soft.cwiseInverse(), 0.0).asDiagonal());
+  closingD_ = zeros();
+  for (std::size_t p = 0; p < pairs_.size(); ++p) {
+    const Eigen::Vector3d soft = pairs_[p].C.cwiseAbs2() * diagonal(pairs_[p].unknowns).cwiseInverse();
+    closingD_.segment<3>(3 * Eigen::Index(p)) = (soft.array() > 0).select(kStiff * soft.cwiseInverse(), 0.0);
   }
 }
 
 // What nothing holds may have pivots of round-off: it shows where all move alike.
 void AssembledStiffness::factor() {
   constexpr double kUseless = 1e-3;
-  const Eigen::SparseMatrix<double> A = withD(closingD_);
+  const Eigen::SparseMatrix<double> A = withD({});
   closing_.renew(A);
   const Eigen::VectorXd alike = Eigen::VectorXd::Ones(size()), forces = A * alike;
   Eigen::VectorXd u(size());
@@ -76,11 +77,13 @@ void AssembledStiffness::factor() {
   if (!((u - alike).cwiseAbs().maxCoeff() <= kUseless)) throw UselessFactor("Nothing holds all bodies together.");
 }
 
+// Pairs beyond those of D are closed.
 Eigen::SparseMatrix<double> AssembledStiffness::withD(const std::vector<Eigen::Matrix3d>& D) const {
   Eigen::SparseMatrix<double> A = A_;
   for (std::size_t p = 0; p < pairs_.size(); ++p) {
     const Pair& pair = pairs_[p];
-    const Eigen::MatrixXd product = pair.C.transpose() * (p < D.size() ? D[p] : closingD_[p]) * pair.C;
+    const Eigen::Matrix3d block = p < D.size() ? D[p] : Eigen::Matrix3d(closingD_.segment<3>(3 * Eigen::Index(p)).asDiagonal());
+    const Eigen::MatrixXd product = pair.C.transpose() * block * pair.C;
     for (std::size_t k = 0; k < pair.places.size(); ++k) A.valuePtr()[pair.places[k]] += product.data()[k];
   }
   return A;
@@ -109,17 +112,13 @@ AssembledStiffness::State AssembledStiffness::close(const LocalSolverFactor& fac
   for (int step = 0;; ++step) {
     const Eigen::VectorXd rhs = f + forces(state.y);
     factor.solve(rhs, state.u);
-    Eigen::VectorXd gap = given - jumps(state.u);
+    Eigen::VectorXd gap = (closingD_.array() > 0).select(given - jumps(state.u), 0.0);
     gap.head(from).setZero();
-    for (std::size_t p = 0; p < pairs_.size(); ++p) {
-      auto ofPair = gap.segment<3>(3 * Eigen::Index(p));
-      ofPair = (closingD_[p].diagonal().array() > 0).select(ofPair, 0.0).eval();
-    }
     const double open = gap.size() > 0 ? gap.cwiseAbs().maxCoeff() : 0.0;
     const double length = state.u.cwiseAbs().maxCoeff() + (given.size() > 0 ? given.cwiseAbs().maxCoeff() : 0.0);
     if (step == kSteps || !(open > kClosed * length) || open > kFalls * least) return state;
     least = open;
-    for (std::size_t p = 0; p < pairs_.size(); ++p) state.y.segment<3>(3 * Eigen::Index(p)) += closingD_[p] * gap.segment<3>(3 * Eigen::Index(p));
+    state.y += closingD_.cwiseProduct(gap);
   }
 }
 
@@ -127,7 +126,7 @@ Eigen::VectorXd AssembledStiffness::relax(const Eigen::VectorXd& f) const {
   Eigen::VectorXd sums = Eigen::VectorXd::Zero(size());
   for (std::size_t i = 0; i < numberOf_.size(); ++i)
     if (numberOf_[i] >= 0) sums[numberOf_[i]] -= f[Eigen::Index(i)];
-  const Eigen::VectorXd none = Eigen::VectorXd::Zero(numRows()), w = close(closing_, sums, none, none, 0).u;
+  const Eigen::VectorXd w = close(closing_, sums, zeros(), zeros(), 0).u;
   Eigen::VectorXd copies = Eigen::VectorXd::Zero(f.size());
   for (std::size_t i = 0; i < numberOf_.size(); ++i)
     if (numberOf_[i] >= 0) copies[Eigen::Index(i)] = w[numberOf_[i]];
@@ -135,14 +134,10 @@ Eigen::VectorXd AssembledStiffness::relax(const Eigen::VectorXd& f) const {
 }
 
 Eigen::VectorXd AssembledStiffness::forcesOf(const Eigen::VectorXd& given) const {
-  Eigen::VectorXd wanted = Eigen::VectorXd::Zero(numRows());
+  Eigen::VectorXd wanted = zeros();
   wanted.head(contactRows_) = given;
-  const auto ofD = [this](Eigen::VectorXd s) {
-    for (std::size_t p = 0; p < pairs_.size(); ++p) s.segment<3>(3 * Eigen::Index(p)) = (closingD_[p] * s.segment<3>(3 * Eigen::Index(p))).eval();
-    return s;
-  };
-  const State state = close(closing_, Eigen::VectorXd::Zero(size()), ofD(wanted), wanted, 0);
-  return (state.y - ofD(jumps(state.u))).head(contactRows_);
+  const State state = close(closing_, Eigen::VectorXd::Zero(size()), closingD_.cwiseProduct(wanted), wanted, 0);
+  return (state.y - closingD_.cwiseProduct(jumps(state.u))).head(contactRows_);
 }
 
 // With G = C (K + C^T D C)^-1 C^T forces of jumps are (G^-1 - D) jumps, of tied pairs too, which have none.  Where round-off leaves G without an inverse
@@ -150,12 +145,10 @@ Eigen::VectorXd AssembledStiffness::forcesOf(const Eigen::VectorXd& given) const
 Eigen::MatrixXd AssembledStiffness::contactMatrix() const {
   std::vector<Eigen::Index> felt;
   std::vector<Eigen::Triplet<double>> entries;
-  Eigen::VectorXd D(numRows());
   for (std::size_t p = 0; p < pairs_.size(); ++p)
     for (Eigen::Index a = 0; a < 3; ++a) {
       const Eigen::Index row = 3 * Eigen::Index(p) + a;
-      D[row] = closingD_[p](a, a);
-      if (!(D[row] > 0)) continue;
+      if (!(closingD_[row] > 0)) continue;
       for (std::size_t k = 0; k < pairs_[p].unknowns.size(); ++k) entries.emplace_back(pairs_[p].unknowns[k], int(felt.size()), pairs_[p].C(a, Eigen::Index(k)));
       felt.push_back(row);
     }
@@ -165,7 +158,7 @@ Eigen::MatrixXd AssembledStiffness::contactMatrix() const {
   closing_.subtractGram(CT, G);
   Eigen::MatrixXd M = inverseByCholesky(-G);
   if (M.size() == 0) return contactMatrixByColumns();
-  M.diagonal() -= D(felt);
+  M.diagonal() -= closingD_(felt);
   const Eigen::Index ofContact = std::lower_bound(felt.begin(), felt.end(), contactRows_) - felt.begin();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(contactRows_, contactRows_);
   felt.resize(std::size_t(ofContact));
@@ -185,9 +178,9 @@ void AssembledStiffness::setD(const std::vector<Eigen::Matrix3d>& D) {
 }
 
 Eigen::VectorXd AssembledStiffness::solveWithD(const Eigen::VectorXd& y) const {
-  Eigen::VectorXd all = Eigen::VectorXd::Zero(numRows());
+  Eigen::VectorXd all = zeros();
   all.head(contactRows_) = y;
-  const State state = close(*given_, Eigen::VectorXd::Zero(size()), all, Eigen::VectorXd::Zero(numRows()), contactRows_);
+  const State state = close(*given_, Eigen::VectorXd::Zero(size()), all, zeros(), contactRows_);
   return jumps(state.u).head(contactRows_);
 }
 

@@ -56,6 +56,7 @@ class AssembledStiffness {
     Eigen::VectorXd u, y;  // displacements; forces of all pairs without what D has of them
   };
   Eigen::MatrixXd contactMatrixByColumns() const;
+  Eigen::VectorXd zeros() const { return Eigen::VectorXd::Zero(numRows()); }
   static std::vector<Pair> pairsOf(const Parts& parts);
   static Eigen::SparseMatrix<double> patternOf(Parts& parts, const std::vector<Pair>& pairs);
   void findPlaces();
@@ -70,7 +71,7 @@ class AssembledStiffness {
   Eigen::Index contactRows_;
   std::vector<Pair> pairs_;
   Eigen::SparseMatrix<double> A_;  // K, with places for all of C^T D C
-  std::vector<Eigen::Matrix3d> closingD_;
+  Eigen::VectorXd closingD_;  // [3 pairs] diagonal, 0: rows that have nothing of any displacement
   LocalSolverFactor closing_;
   std::unique_ptr<LocalSolverFactor> given_;
 };

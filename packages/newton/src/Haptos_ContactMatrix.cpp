@@ -53,7 +53,7 @@ ContactMatrix::ContactMatrix(Parts parts, const DualVectors& vectors, Kind kind,
       options_(options) {
   for (double& value : diagonal_)
     if (!(value > 0)) value = 1;
-  if (parts.exact.isThere()) exact_.emplace(std::move(parts.exact), diagonal_);
+  if (parts.exact.isThere()) exact_.emplace(std::move(parts.exact), vectors_, diagonal_);
   const double n = double(numbering_.size());
   entriesRead_ = parts.entriesRead > 0 ? parts.entriesRead : n * n;
   productsOfFactor_ = n > 0 ? n * n * n / (options.rowsOfStep * entriesRead_) : 0.0;

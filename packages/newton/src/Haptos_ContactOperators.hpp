@@ -25,7 +25,6 @@ struct ExactContactMap {
   Map multiply;  ///< M x.  Collective
   /// y -> d with (M + D) d = y, D [pairs] symmetric and positive semidefinite; of the last D alone; NaN where there is none.  Collective, as is what it returns.
   std::function<Map(const std::vector<Eigen::Matrix3d>& D)> solverWith;
-  std::function<double(double)> sum;  ///< over the ranks
   bool isThere() const { return bool(solverWith); }
 };
 

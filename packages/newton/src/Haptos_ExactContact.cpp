@@ -24,7 +24,7 @@ Eigen::Matrix3d symmetricPart(const Eigen::Matrix3d& K) {
 
 const Eigen::VectorXd* ExactContact::productOfLast(const Eigen::VectorXd& x) const {
   const bool isLast = x.size() == last_.x.size() && (x.array() == last_.x.array()).all();
-  return M_.sum(double(!isLast)) == 0 ? &last_.Mx : nullptr;
+  return vectors_.sum(double(!isLast)) == 0 ? &last_.Mx : nullptr;
 }
 
 ExactContact::Map ExactContact::solverWith(const Blocks& K) const {

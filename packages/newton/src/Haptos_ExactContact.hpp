@@ -6,6 +6,7 @@
 
 #include "Haptos_ContactKrylov.hpp"
 #include "Haptos_ContactOperators.hpp"
+#include "Haptos_DualVectors.hpp"
 
 namespace Haptos {
 
@@ -17,8 +18,9 @@ class ExactContact {
   using Blocks = std::vector<Eigen::Matrix3d>;  ///< [pairs]
   using Map = ExactContactMap::Map;
 
-  /// \param diagonal [3 pairs] about M's, > 0
-  ExactContact(ExactContactMap M, Eigen::VectorXd diagonal) : M_(std::move(M)), diagonal_(std::move(diagonal)) {}
+  /// \param vectors kept by reference \param diagonal [3 pairs] about M's, > 0
+  ExactContact(ExactContactMap M, const DualVectors& vectors, Eigen::VectorXd diagonal)
+      : M_(std::move(M)), vectors_(vectors), diagonal_(std::move(diagonal)) {}
 
   Eigen::VectorXd multiply(const Eigen::VectorXd& x) const { return M_.multiply(x); }  ///< M x.  Collective
   /// \brief M x without a product where x is what was solved last; else null, the same on all ranks.  Collective.
@@ -37,6 +39,7 @@ class ExactContact {
     Eigen::VectorXd x, Mx;
   };
   ExactContactMap M_;
+  const DualVectors& vectors_;
   Eigen::VectorXd diagonal_;
   mutable Product last_;
 };

@@ -67,7 +67,6 @@ inline ExactContactMap exactMap(const Scene& t) {
     }
     return [&t, onAll, MD](const Eigen::VectorXd& y) { return t.contactPart(Testing::ldltSolve(MD, onAll(y))); };
   };
-  map.sum = [&t](double x) { return t.vectors.sum(x); };
   return map;
 }
 

@@ -230,16 +230,20 @@ void FetiSystem::findLargestBoundary() {
   largestBoundary_ = largestOfAll(*model_.comm, mine);
 }
 
+// Of unknowns of boundaries: whole numbers, whose sum is the same on any number of ranks.
+double FetiSystem::sumOfCubes() const {
+  double cubes = 0;
+  for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
+  return sumOfAll(*model_.comm, cubes);
+}
+
 // Operations of dense S and eigenproblems, 3 to 4 n^3 a subdomain, beside those of ten more directions: with n rows of contact a model of one takes some
-// eighty products, an entry of a matrix that is read counting as twenty (decisions/042).  Near incompressibility nothing leads past them.  Sums of whole
-// numbers: the same on any number of ranks.
+// eighty products, an entry of a matrix that is read counting as twenty (decisions/042).  Near incompressibility nothing leads past them.
 bool FetiSystem::isDeflationDear() const {
   constexpr double kOfSpectra = 3.3, kOfModels = 10 * 80 * 20;
   if (anySlender_ || model_.isHardlyCompressible || hasSpectra(kCheapSpectrum)) return false;
-  double cubes = 0;
-  for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
   const double rows = 3 * double(model_.multipliers->numPairs());
-  return kOfSpectra * sumOfAll(*model_.comm, cubes) > kOfModels * rows * rows;
+  return kOfSpectra * sumOfCubes() > kOfModels * rows * rows;
 }
 
 // Whether spectral modes of all subdomains are looked for: where their boundaries are not larger, and where there are few subdomains, as the factor of K is
@@ -268,15 +272,12 @@ RCP<const DeflatedPreconditioner> FetiSystem::makeDeflated(const DeflatedMotions
   return DeflatedPreconditioner::make(Teuchos::rcp(new DualPreconditioner(jump_, systems, std::move(surface))), areSlender ? slender_ : none, spectra);
 }
 
-// Beside 10 n^3 operations for soft motions of a subdomain and, where there is contact, some fifty factors of 3 x pairs rows (decisions/059).  Sums of
-// whole numbers: the same on any number of ranks.
+// Beside 10 n^3 operations for soft motions of a subdomain and, where there is contact, some fifty factors of 3 x pairs rows (decisions/059).
 RCP<const AssembledPreconditioner> FetiSystem::makeAssembled() const {
   constexpr double kOfMotions = 10, kOfFactor = 0.5, kModels = 50;
   if (!anySlender_ || localMethod_ == LocalSolverMethod::Klu2) return {};
-  double cubes = 0;
-  for (int i = 0; i < systems_->size(); ++i) cubes += std::pow(double(touched_->of(i).size()), 3);
   const double denseModel = kOfFactor * std::pow(3 * double(model_.multipliers->numPairs()), 3);
-  const double most = kOfMotions * sumOfAll(*model_.comm, cubes) + kModels * denseModel;
+  const double most = kOfMotions * sumOfCubes() + kModels * denseModel;
   const auto systems = Teuchos::rcp(new LocalSystems(model_.stiffness));
   runOnAllRanks(*model_.comm, [&] {
     systems->assemble();

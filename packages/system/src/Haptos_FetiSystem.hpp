@@ -89,6 +89,7 @@ class FetiSystem {
   void findLargestBoundary();
   bool hasSpectra(int largestSpectrum) const;
   bool mayContactBeDense() const;
+  double sumOfCubes() const;
   void makePreconditioner(SurfaceOperators surface);
   RCP<const LocalSystems> assembleAgain(const std::shared_ptr<const SubdomainStiffness>& stiffness, SurfaceOperators& surface, bool dense,
                                         const std::function<void(const LocalSystems&, int congruenceClass)>& use = {}) const;

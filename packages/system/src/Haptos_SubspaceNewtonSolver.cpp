@@ -119,7 +119,6 @@ struct SubspaceNewtonSolver::Impl {
     }
     made.exact.multiply = [M = assembled](const Eigen::VectorXd& x) { return M->onContact(x); };
     made.exact.solverWith = [M = assembled](const std::vector<Eigen::Matrix3d>& D) { return M->solverWith(D); };
-    made.exact.sum = [comm = context.system.model().comm](double x) { return sumOfAll(*comm, x); };
     return made;
   }
 
